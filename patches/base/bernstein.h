@@ -1,0 +1,63 @@
+// Bernstein polynomials on [0, 1]: values, derivatives, splitting, products and roots. Coefficients in rising order.
+#pragma once
+
+#include <vector>
+
+#include "patches/base/vec.h"
+
+namespace iso {
+
+// Value by de Casteljau; `work` is overwritten. Stable for every degree.
+template <class T>
+T bernstein_value(std::vector<T> work, double s) {
+  for (std::size_t n = work.size(); n > 1; --n)
+    for (std::size_t i = 0; i + 1 < n; ++i) work[i] = (1 - s) * work[i] + s * work[i + 1];
+  return work.front();
+}
+
+// The parts on [0, s] and [s, 1]; they share the middle coefficient bit for bit.
+template <class T>
+void bernstein_split(const std::vector<T>& c, double s, std::vector<T>& left, std::vector<T>& right) {
+  std::vector<T> work = c;
+  const std::size_t n = c.size();
+  left.resize(n);
+  right.resize(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    left[k] = work.front();
+    right[n - 1 - k] = work[n - 1 - k];
+    for (std::size_t i = 0; i + 1 + k < n; ++i) work[i] = (1 - s) * work[i] + s * work[i + 1];
+  }
+}
+
+// The part on [s0, s1], 0 <= s0 < s1 <= 1.
+template <class T>
+std::vector<T> bernstein_part(const std::vector<T>& c, double s0, double s1) {
+  std::vector<T> left, right, rest = c;
+  if (s1 < 1) {
+    bernstein_split(c, s1, left, right);
+    rest = left;
+  }
+  if (s0 > 0) {
+    bernstein_split(rest, s0 / s1, left, right);
+    rest = right;
+  }
+  return rest;
+}
+
+// Coefficients of the derivative with respect to s.
+template <class T>
+std::vector<T> bernstein_derivative(const std::vector<T>& c) {
+  std::vector<T> d;
+  const double n = static_cast<double>(c.size()) - 1;
+  for (std::size_t i = 0; i + 1 < c.size(); ++i) d.push_back(n * (c[i + 1] - c[i]));
+  if (d.empty()) d.push_back(T{});
+  return d;
+}
+
+// Coefficients of the product, degree m + n.
+std::vector<double> bernstein_product(const std::vector<double>& a, const std::vector<double>& b);
+
+// All roots in (0, 1) where the sign changes, rising, each to rounding. A polynomial that is zero everywhere has none.
+std::vector<double> bernstein_roots(const std::vector<double>& c);
+
+}  // namespace iso

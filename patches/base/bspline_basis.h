@@ -1,0 +1,72 @@
+// B-spline basis functions with derivatives, and knot spans.  [Piegl & Tiller, The NURBS Book, A2.1 to A2.3]
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "patches/base/vec.h"
+
+namespace iso {
+
+inline constexpr int kMaxDegree = 30;
+
+// The non-empty knot span [knots[i], knots[i+1]) that holds t; end spans also serve what lies beyond the domain.
+inline int knot_span(const std::vector<double>& knots, int degree, double t) {
+  const int last = static_cast<int>(knots.size()) - degree - 2;
+  const auto begin = knots.begin() + degree, end = knots.begin() + last + 1;
+  int i = static_cast<int>(std::upper_bound(begin, end, t) - knots.begin()) - 1;
+  i = std::clamp(i, degree, last);
+  while (i > degree && knots[i] == knots[i + 1]) --i;
+  while (i < last && knots[i] == knots[i + 1]) ++i;
+  return i;
+}
+
+// N[d][j]: d-th derivative of basis function number span - degree + j at t, for d = 0, 1, 2.
+struct BasisDerivatives {
+  std::array<std::array<double, kMaxDegree + 1>, 3> N;
+};
+
+inline void basis_functions(const std::vector<double>& knots, int degree, int span, double t, double* N) {
+  std::array<double, kMaxDegree + 1> left{}, right{};
+  N[0] = 1;
+  for (int j = 1; j <= degree; ++j) {
+    left[j] = t - knots[span + 1 - j];
+    right[j] = knots[span + j] - t;
+    double saved = 0;
+    for (int r = 0; r < j; ++r) {
+      const double part = N[r] / (right[r + 1] + left[j - r]);
+      N[r] = saved + right[r + 1] * part;
+      saved = left[j - r] * part;
+    }
+    N[j] = saved;
+  }
+}
+
+// Derivatives from the functions of one and two degrees less: N_p' = p (N_{p-1,i} / d_i - N_{p-1,i+1} / d_{i+1}).
+inline void raise_derivative(const std::vector<double>& knots, int degree, int span, const double* lower, double* out) {
+  for (int j = 0; j <= degree; ++j) {
+    const int i = span - degree + j;
+    double sum = 0;
+    if (j > 0) sum += lower[j - 1] / (knots[i + degree] - knots[i]);
+    if (j < degree) sum -= lower[j] / (knots[i + degree + 1] - knots[i + 1]);
+    out[j] = degree * sum;
+  }
+}
+
+inline BasisDerivatives basis_derivatives(const std::vector<double>& knots, int degree, int span, double t) {
+  BasisDerivatives b{};
+  basis_functions(knots, degree, span, t, b.N[0].data());
+  std::array<double, kMaxDegree + 1> lower{}, lowest{}, lower_d{};
+  if (degree >= 1) {
+    basis_functions(knots, degree - 1, span, t, lower.data());
+    raise_derivative(knots, degree, span, lower.data(), b.N[1].data());
+  }
+  if (degree >= 2) {
+    basis_functions(knots, degree - 2, span, t, lowest.data());
+    raise_derivative(knots, degree - 1, span, lowest.data(), lower_d.data());
+    raise_derivative(knots, degree, span, lower_d.data(), b.N[2].data());
+  }
+  return b;
+}
+
+}  // namespace iso

@@ -1,0 +1,91 @@
+// The trimmed region of a face: which points of its parameter plane belong to it.
+//
+// The loops become monotone rational Bezier pieces (exact for every pcurve kind), clipped to the cells of a grid. A cell without pieces is
+// inside or outside as a whole. In a crossing cell a query walks from the cell's lower left corner, whose side is stored, up the left edge
+// and then right to the query point, and counts the pieces it crosses (even-odd rule). Clipped ends are snapped to the grid lines and
+// shared by neighbours, and intervals are half open, so the count is consistent to the last bit wherever curves meet grid lines.
+//
+// A point outside but within the tolerance of an edge belongs to the face too: the tolerance closes the gap that is measured between the
+// two faces of that edge, never more than the file allows.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "patches/brep.h"
+
+namespace iso {
+
+// A piece of a trim curve, monotone in u and in v; `first` indexes `points` (homogeneous, degree + 1 of them).
+struct TrimPiece {
+  std::uint32_t first = 0;
+  std::int32_t degree = 1;
+  double tolerance = 0;  // world units; points this near to the piece count as inside
+  Box2 box;
+};
+
+class TrimRegion {
+ public:
+  enum class Kind : std::uint8_t { outside, inside, crossing };
+
+  // A face without loops: everything inside its domain.
+  TrimRegion() = default;
+
+  // `least_tolerance`: world units, closes what rounding leaves between faces (a small multiple of the part's size times epsilon).
+  TrimRegion(const Face& face, const std::vector<Edge>& edges, double least_tolerance);
+
+  bool untrimmed() const { return pieces_.empty(); }
+
+  // What is known of all points of a box; `crossing` when in doubt.
+  Kind classify(const Box2& uv) const;
+
+  // uv may be off by whole periods of the surface. `surface` gives the metric for the tolerance.
+  struct Answer {
+    bool inside = true;
+    bool by_tolerance = false;
+  };
+  Answer contains(UV uv, const AnySurface& surface) const;
+
+  // The boxes of all cells that are not outside: a cover of the face in the parameter plane.
+  std::vector<Box2> cover() const;
+
+  const Box2& box() const { return box_; }
+  std::size_t piece_count() const { return pieces_.size(); }
+  std::size_t bytes() const;
+
+ private:
+  struct Clip {
+    std::uint32_t piece;
+    double t0, t1;  // along the piece
+    UV p0, p1;      // its points at t0 and t1, snapped to the cell's borders
+  };
+  struct Cell {
+    std::uint32_t clips_begin = 0, near_begin = 0;
+    Kind kind = Kind::outside;
+    bool corner_inside = false;  // just left of and just above the lower left corner
+  };
+
+  void add_curve(const TrimCurve& curve, double tolerance, std::vector<UV>& ends);
+  void add_segment(const UV& from, const UV& to, double tolerance);
+  void add_monotone(const std::vector<Vec3>& points, double tolerance);
+  void make_grid(const AnySurface& surface);
+  void fill_cells(const AnySurface& surface);
+  double distance_in_world(UV uv, const TrimPiece& piece, const AnySurface& surface) const;
+  bool crosses_left_of(const Clip& clip, UV uv) const;
+  Answer contains_here(UV uv, const AnySurface& surface) const;
+  int column(double u) const;
+  int row(double v) const;
+  Vec2 point_at(const TrimPiece& piece, double t) const;
+
+  std::vector<TrimPiece> pieces_;
+  std::vector<Vec3> points_;
+  std::vector<Clip> clips_;
+  std::vector<std::uint32_t> near_;
+  std::vector<Cell> cells_;  // row-major, one extra at the end for the list ends
+  Box2 box_;                 // of the grid
+  Box2 loops_box_;
+  Vec2 step_{0.0}, period_{0.0};
+  int columns_ = 0, rows_ = 0;
+};
+
+}  // namespace iso
