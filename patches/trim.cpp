@@ -152,6 +152,28 @@ Vec2 reach_in_parameters(const AnySurface& surface, const Box2& box, double tole
   return 2.0 * tolerance / speed;
 }
 
+// A point where a piece is cut by a grid line; `fixed` coordinates lie on a line (or are an end) and are shared with a neighbour bit for bit.
+struct Cut {
+  double t;
+  UV p;
+  std::array<bool, 2> fixed;
+};
+
+// Rounding may swap two cuts near a grid corner by a bit: brings the chain back in order by moving only coordinates that are not fixed.
+void make_monotone(std::vector<Cut>& cuts, const Vec2& direction) {
+  for (int pass = 0; pass < 4; ++pass) {
+    bool changed = false;
+    for (std::size_t i = 1; i < cuts.size(); ++i)
+      for (const int c : {0, 1}) {
+        double &before = cuts[i - 1].p[c], &here = cuts[i].p[c];
+        if (direction[c] >= 0 ? here >= before : here <= before) continue;
+        (cuts[i].fixed[c] ? before : here) = cuts[i].fixed[c] ? here : before;
+        changed = true;
+      }
+    if (!changed) return;
+  }
+}
+
 }  // namespace
 
 void TrimRegion::fill_cells(const AnySurface& surface) {
@@ -160,15 +182,11 @@ void TrimRegion::fill_cells(const AnySurface& surface) {
   std::vector<std::vector<std::uint32_t>> near(count);
   const auto line_u = [&](int i) { return box_.lo.x + i * step_.x; };
   const auto line_v = [&](int j) { return box_.lo.y + j * step_.y; };
-  struct Cut {
-    double t;
-    UV p;
-  };
   std::vector<Cut> cuts;
   for (std::uint32_t k = 0; k < pieces_.size(); ++k) {
     const TrimPiece& piece = pieces_[k];
     const UV start = point_at(piece, 0), end = point_at(piece, 1);
-    cuts.assign({{0.0, start}, {1.0, end}});
+    cuts.assign({{0.0, start, {true, true}}, {1.0, end, {true, true}}});
     // Where the piece crosses the grid lines strictly inside its box.
     for (const int c : {0, 1}) {
       const double lo = piece.box.lo[c], hi = piece.box.hi[c];
@@ -186,14 +204,11 @@ void TrimRegion::fill_cells(const AnySurface& surface) {
         p[c] = line;
         p = glm::clamp(p, piece.box.lo, piece.box.hi);
         p[c] = line;
-        cuts.push_back({0.5 * (a + b), p});
+        cuts.push_back({0.5 * (a + b), p, {c == 0, c == 1}});
       }
     }
     std::sort(cuts.begin(), cuts.end(), [](const Cut& x, const Cut& y) { return x.t < y.t; });
-    // The chain of cut points must be monotone like the piece: rounding may have swapped neighbours by a bit.
-    for (std::size_t i = 1; i < cuts.size(); ++i)
-      for (const int c : {0, 1})
-        if ((end[c] >= start[c]) != (cuts[i].p[c] >= cuts[i - 1].p[c])) cuts[i].p[c] = cuts[i - 1].p[c];
+    make_monotone(cuts, end - start);
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
       if (cuts[i].p == cuts[i + 1].p) continue;
       const UV middle = 0.5 * (cuts[i].p + cuts[i + 1].p);

@@ -1,0 +1,178 @@
+#include "patches/brep.h"
+
+#include <array>
+
+#include "patches/cells.h"
+#include "patches/trim.h"
+
+namespace iso {
+
+void Model::report(Problem::Kind kind, std::string entity, std::string what) {
+  for (Problem& p : problems)
+    if (p.kind == kind && p.what == what) {
+      ++p.count;
+      return;
+    }
+  problems.push_back({kind, std::move(entity), std::move(what), 1});
+}
+
+// ---- boxes -------------------------------------------------------------------------------------------------------------
+
+namespace {
+
+bool closed_form(const AnySurface& s) {
+  return std::holds_alternative<Plane>(s) || std::holds_alternative<Cylinder>(s) || std::holds_alternative<Cone>(s) || std::holds_alternative<Sphere>(s) ||
+         std::holds_alternative<Torus>(s);
+}
+
+// Box of what the trim loops leave of a face, from the cells that are not outside.
+Box3 trimmed_box(const Face& face, const std::vector<Edge>& edges) {
+  const TrimRegion trim(face, edges, 0.0);
+  Box3 box;
+  if (closed_form(face.surface)) {
+    if (trim.untrimmed()) return bounds(face.surface, face.domain);
+    for (const Box2& cell : trim.cover()) box.include(bounds(face.surface, cell));
+    return box;
+  }
+  CellPolicy coarse;
+  coarse.bend = 0.5;
+  coarse.most_levels = 8;
+  std::vector<FaceCell> cells;
+  for (const BezierPiece& piece : bezier_pieces(face.surface, face.domain)) divide(piece, 0, trim, coarse, cells);
+  for (const FaceCell& cell : cells) box.include(cell.box);
+  return box;
+}
+
+}  // namespace
+
+// ---- gaps between the faces of an edge ---------------------------------------------------------------------------------
+
+namespace {
+
+// One use of an edge: a trim curve on its face.
+struct EdgeUse {
+  const Face* face;
+  const TrimCurve* curve;
+
+  double parameter(double share) const { return curve->t0 + share * (curve->t1 - curve->t0); }
+  Point3 at(double t) const { return point(face->surface, jet(curve->curve, t).C); }
+};
+
+// Distance of p from the curve of a use: the nearest of its samples, then ever smaller steps around it.
+double distance_to(const EdgeUse& use, const std::vector<Point3>& samples, const Point3& p) {
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    if (glm::length(samples[i] - p) < glm::length(samples[nearest] - p)) nearest = i;
+  const double last = static_cast<double>(samples.size()) - 1;
+  double share = static_cast<double>(nearest) / last, least = glm::length(samples[nearest] - p), step = 0.5 / last;
+  for (int i = 0; i < 40; ++i, step *= 0.5)
+    for (const double s : {share - step, share + step}) {
+      if (s < 0 || s > 1) continue;
+      if (const double d = glm::length(use.at(use.parameter(s)) - p); d < least) {
+        least = d;
+        share = s;
+        break;
+      }
+    }
+  return least;
+}
+
+constexpr int kGapSamples = 16;
+
+std::vector<Point3> sampled(const EdgeUse& use, int intervals) {
+  std::vector<Point3> points;
+  for (int i = 0; i <= intervals; ++i) points.push_back(use.at(use.parameter(static_cast<double>(i) / intervals)));
+  return points;
+}
+
+// Both uses of an edge normally run with one parameter; where they do not, the nearest points count.
+double gap_between(const EdgeUse& a, const EdgeUse& b, double file_tolerance) {
+  double same = 0;
+  for (int i = 0; i <= kGapSamples; ++i) {
+    const double t = a.parameter(static_cast<double>(i) / kGapSamples);
+    same = std::max(same, glm::length(a.at(t) - b.at(t)));
+  }
+  if (same <= file_tolerance) return same;
+  double gap = 0;
+  const std::vector<Point3> sb = sampled(b, 4 * kGapSamples);
+  for (const Point3& p : sampled(a, kGapSamples)) gap = std::max(gap, distance_to(b, sb, p));
+  return std::min(same, gap);
+}
+
+using UsesOfEdges = std::vector<std::vector<EdgeUse>>;
+
+UsesOfEdges uses_of_edges(const Part& part) {
+  UsesOfEdges uses(part.edges.size());
+  for (const Face& face : part.faces)
+    for (const TrimLoop& loop : face.loops)
+      for (const TrimCurve& curve : loop.curves)
+        if (curve.edge >= 0) uses[static_cast<std::size_t>(curve.edge)].push_back({&face, &curve});
+  return uses;
+}
+
+// An edge of one face only may still lie along edges of others (files without topology): the gap is measured to the nearest of them, if every
+// point of it has one within the file's tolerance.
+void measure_free_edges(Part& part, const UsesOfEdges& uses) {
+  struct Free {
+    std::size_t edge;
+    std::vector<Point3> samples;
+    Box3 box;
+  };
+  std::vector<Free> free_edges;
+  for (std::size_t e = 0; e < uses.size(); ++e) {
+    if (uses[e].size() != 1 || part.edges[e].degenerate) continue;
+    Free f{e, sampled(uses[e][0], 4 * kGapSamples), {}};
+    for (const Point3& p : f.samples) f.box.include(p);
+    f.box = f.box.inflated(part.edges[e].file_tolerance + 1e-3 * f.box.diagonal());
+    free_edges.push_back(std::move(f));
+  }
+  for (const Free& f : free_edges) {
+    Edge& edge = part.edges[f.edge];
+    double gap = 0;
+    for (std::size_t i = 0; i < f.samples.size() && gap <= edge.file_tolerance; i += 8) {
+      double nearest = kInf;
+      for (const Free& other : free_edges)
+        if (other.edge != f.edge && other.box.contains(f.samples[i]) && nearest > 0.01 * edge.file_tolerance)
+          nearest = std::min(nearest, distance_to(uses[other.edge][0], other.samples, f.samples[i]));
+      gap = std::max(gap, nearest);
+    }
+    if (gap <= edge.file_tolerance) edge.gap = 1.1 * gap;
+  }
+}
+
+void measure_gaps(Part& part) {
+  const UsesOfEdges uses = uses_of_edges(part);
+  for (std::size_t e = 0; e < uses.size(); ++e) {
+    Edge& edge = part.edges[e];
+    for (std::size_t i = 1; i < uses[e].size(); ++i)  // a little more than measured: the worst point lies between the samples
+      edge.gap = std::max(edge.gap, 1.1 * gap_between(uses[e][0], uses[e][i], edge.file_tolerance));
+  }
+  measure_free_edges(part, uses);
+}
+
+}  // namespace
+
+void finish(Model& model) {
+  for (std::size_t k = 0; k < model.parts.size(); ++k) {
+    Part& part = model.parts[k];
+    Box3 rough;
+    for (const Face& face : part.faces) rough.include(trimmed_box(face, part.edges));
+    const Vec3 origin = rough.empty() ? Vec3(0.0) : rough.middle();
+    for (Face& face : part.faces) translate(face.surface, -origin);
+    part.box = rough.empty() ? rough : Box3{rough.lo - origin, rough.hi - origin};
+    for (Instance& instance : model.instances)
+      if (instance.part == static_cast<int>(k)) instance.to_model.translation = instance.to_model.point(origin);
+    measure_gaps(part);
+  }
+}
+
+Box3 box_of(const Model& model) {
+  Box3 box;
+  for (const Instance& instance : model.instances) {
+    const Part& part = model.parts[static_cast<std::size_t>(instance.part)];
+    if (!part.box.empty()) box.include(transformed(instance.to_model, part.box));
+  }
+  return box;
+}
+
+}  // namespace iso

@@ -1,0 +1,35 @@
+// Division of a face into cells: pieces of its Bezier patches small enough that a ray meets each at most once unless it grazes it, with a
+// tight box, a linear model and a proven bound on how far the derivatives stray from it, and classified against the trim loops.
+// The ray tracer makes its leaves of them.
+#pragma once
+
+#include <vector>
+
+#include "patches/surface/bezier_patch.h"
+#include "patches/trim.h"
+
+namespace iso {
+
+// Over the cell, with (a, b) in [-1, 1]^2 its own parameters, w the weight scaled to 1 at the middle, and P = w (S - centre):
+//   |dP/da - A| <= stray_a,  |dP/db - B| <= stray_b   (3-vectors), and |dw/da| <= weight_a, |dw/db| <= weight_b.
+struct FaceCell {
+  int piece = 0;          // index into the face's Bezier pieces
+  Vec2 lo{0.0}, hi{1.0};  // dyadic box in the piece's unit square
+  Point3 centre{0.0};
+  Vec3 A{0.0}, B{0.0};
+  double stray_a = 0, stray_b = 0, weight_a = 0, weight_b = 0;
+  Box3 box;  // of the hull of the control points
+  TrimRegion::Kind kind = TrimRegion::Kind::inside;
+};
+
+// How fine to divide.
+struct CellPolicy {
+  double bend = 0.12;       // split until stray / (size of A and B at right angles) is below this
+  double small = 1e-3;      // a cell smaller than this (world units) that still bends is degenerate: left to the solver's fallback
+  int most_levels = 18;     // binary splits in all
+};
+
+// Appends the cells of one piece that are not outside the trim loops.
+void divide(const BezierPiece& piece, int piece_index, const TrimRegion& trim, const CellPolicy& policy, std::vector<FaceCell>& cells);
+
+}  // namespace iso

@@ -1,0 +1,315 @@
+#include "raytracer/bezier_solve.h"
+
+#include <array>
+
+#include "patches/base/bspline_basis.h"
+
+namespace iso {
+
+namespace {
+
+// Certificates: below kFast the linear model's root is close enough to start Newton; below kCertified subdivision stops.
+constexpr double kFast = 0.7;
+constexpr double kCertified = 0.6;
+// Below this the map is one-to-one also well beyond the border (the strays grow with the window), so a root found outside proves that there
+// is none inside. Above it, such an end proves nothing and the window is divided.
+constexpr double kOneToOneAround = 0.3;
+constexpr int kMostNewtonSteps = 16;
+constexpr int kMostCells = 20000;
+// A root may lie beyond the border of its leaf by this share of the leaf: neighbours overlap, duplicates are removed by whoever counts.
+constexpr double kBorder = 1e-9;
+
+// A box of the patch's unit square by middle and half width; (a, b) in [-1, 1]^2 are its own parameters.
+struct Window {
+  Vec2 middle{0.5}, half{0.5};
+
+  Vec2 to_unit(const Vec2& ab) const { return middle + half * ab; }
+};
+
+struct Mat2 {
+  double a, b, c, d;  // rows (a b), (c d)
+
+  double det() const { return a * d - b * c; }
+  Vec2 times(const Vec2& x) const { return {a * x.x + b * x.y, c * x.x + d * x.y}; }
+};
+
+// False where the matrix is singular beyond use.
+bool invert(const Mat2& m, Mat2& inverse) {
+  const double det = m.det();
+  if (!(std::abs(det) > 1e-300)) return false;
+  inverse = {m.d / det, -m.b / det, -m.c / det, m.a / det};
+  return true;
+}
+
+Vec2 row_lengths(const Mat2& m) { return {std::hypot(m.a, m.b), std::hypot(m.c, m.d)}; }
+
+// The two plane equations with derivatives, divided by the weight; and what t needs.
+struct PlaneJet {
+  Vec2 F;
+  Mat2 J;  // with respect to (s, t)
+  HomogeneousJet jet;
+};
+
+PlaneJet plane_jet(const BezierPatch& patch, const LocalRay& ray, const Vec2& st) {
+  PlaneJet p;
+  p.jet = homogeneous_jet(patch, st);
+  const auto f = [&](const Vec4& h) { return glm::dot(ray.n1, Vec3(h)) - ray.d1 * h.w; };
+  const auto g = [&](const Vec4& h) { return glm::dot(ray.n2, Vec3(h)) - ray.d2 * h.w; };
+  const double w = 1 / p.jet.H.w;
+  p.F = {w * f(p.jet.H), w * g(p.jet.H)};
+  p.J = {w * f(p.jet.Hs), w * f(p.jet.Ht), w * g(p.jet.Hs), w * g(p.jet.Ht)};
+  return p;
+}
+
+enum class NewtonEnd { converged, left_window, failed };
+
+// Newton from ab on the true polynomials. Converged: residual at rounding level, or the last step so small that the next would vanish.
+NewtonEnd newton(const BezierPatch& patch, const LocalRay& ray, const Window& window, Vec2 ab, const Vec2& border, SolverStats& stats, Root& root) {
+  const double rounding = 4 * kEps * ray.scale;
+  double last_step = kInf;
+  for (int step = 1; step <= kMostNewtonSteps; ++step) {
+    const Vec2 st = window.to_unit(ab);
+    const PlaneJet p = plane_jet(patch, ray, st);
+    ++stats.newton_steps;
+    const Mat2 J{p.J.a * window.half.x, p.J.b * window.half.y, p.J.c * window.half.x, p.J.d * window.half.y};
+    Mat2 inverse;
+    if (!invert(J, inverse)) return NewtonEnd::failed;
+    const Vec2 delta = -inverse.times(p.F);
+    const double size = std::max(std::abs(delta.x), std::abs(delta.y));
+    const bool at_rounding = glm::length(p.F) <= rounding;
+    if (at_rounding || size < 1e-9) {
+      // The last step is applied to the parameters and, to first order, to the point.
+      const Vec2 move = at_rounding && size > 1e-6 ? Vec2(0.0) : delta;
+      ab += move;
+      const Vec4 h = p.jet.H + window.half.x * move.x * p.jet.Hs + window.half.y * move.y * p.jet.Ht;
+      root = {window.to_unit(ab), ray.t_of(project(h)), HitStatus::converged, static_cast<std::uint16_t>(step)};
+      const bool inside = std::abs(ab.x) <= 1 + border.x && std::abs(ab.y) <= 1 + border.y;
+      return inside ? NewtonEnd::converged : NewtonEnd::left_window;
+    }
+    if (!(size < 1e3) || (step > 4 && size > 2 * last_step)) return NewtonEnd::failed;
+    last_step = size;
+    ab = glm::clamp(ab + delta, Vec2(-1.5), Vec2(1.5));
+  }
+  return NewtonEnd::failed;
+}
+
+// ---- subdivision -------------------------------------------------------------------------------------------------------
+
+// The coefficients of (f, g) over a window: a tensor-product Bernstein net of 2-vectors on a shared stack.
+class Subdivision {
+ public:
+  Subdivision(const LeafPatch& patch, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots)
+      : patch_(patch.piece.patch), ray_(ray), stats_(stats), roots_(roots), stride_(patch_.net.size()), first_root_(roots.size()) {}
+
+  void run(const Window& leaf) {
+    nets_.resize(stride_);
+    for (std::size_t i = 0; i < stride_; ++i) {
+      const Vec4& h = patch_.net[i];
+      nets_[i] = {glm::dot(ray_.n1, Vec3(h)) - ray_.d1 * h.w, glm::dot(ray_.n2, Vec3(h)) - ray_.d2 * h.w};
+      largest_weight_ = std::max(largest_weight_, h.w);
+    }
+    restrict_to(leaf);
+    windows_.push_back(leaf);
+    for (int cells = 0; !windows_.empty(); ++cells) {
+      ++stats_.fallback_cells;
+      if (cells >= kMostCells) {
+        ++stats_.fallback_out_of_budget;
+        add_touching(windows_.back());
+        return;
+      }
+      visit();
+    }
+  }
+
+ private:
+  Vec2* top() { return &nets_[(windows_.size() - 1) * stride_]; }
+
+  // Cuts the net in the first slot down to a window.
+  void restrict_to(const Window& w) {
+    for (const int c : {0, 1}) {
+      const double lo = w.middle[c] - w.half[c], hi = w.middle[c] + w.half[c];
+      if (hi < 1) cut(c, hi, true);
+      if (lo > 0) cut(c, lo / hi, false);
+    }
+  }
+  void cut(int direction, double at, bool keep_low) {
+    const int pv = patch_.pv, lines = direction == 0 ? pv : patch_.pu, degree = direction == 0 ? patch_.pu : pv;
+    const std::size_t step = direction == 0 ? static_cast<std::size_t>(pv) + 1 : 1, across = direction == 0 ? 1 : static_cast<std::size_t>(pv) + 1;
+    for (int k = 0; k <= lines; ++k) {
+      Vec2* row = &nets_[static_cast<std::size_t>(k) * across];
+      for (int level = 1; level <= degree; ++level) {
+        if (keep_low)
+          for (int i = degree; i >= level; --i) row[i * step] = (1 - at) * row[(i - 1) * step] + at * row[i * step];
+        else
+          for (int i = 0; i <= degree - level; ++i) row[i * step] = (1 - at) * row[i * step] + at * row[(i + 1) * step];
+      }
+    }
+  }
+
+  void visit() {
+    const Window window = windows_.back();
+    const Vec2* net = top();
+    const double rounding = 8 * kEps * ray_.scale * largest_weight_;
+    Vec2 lo{kInf}, hi{-kInf};
+    double sum_lo = kInf, sum_hi = -kInf, difference_lo = kInf, difference_hi = -kInf;
+    for (std::size_t i = 0; i < stride_; ++i) {
+      lo = glm::min(lo, net[i]);
+      hi = glm::max(hi, net[i]);
+      sum_lo = std::min(sum_lo, net[i].x + net[i].y);
+      sum_hi = std::max(sum_hi, net[i].x + net[i].y);
+      difference_lo = std::min(difference_lo, net[i].x - net[i].y);
+      difference_hi = std::max(difference_hi, net[i].x - net[i].y);
+    }
+    const bool empty = lo.x > rounding || hi.x < -rounding || lo.y > rounding || hi.y < -rounding || sum_lo > 2 * rounding || sum_hi < -2 * rounding ||
+                       difference_lo > 2 * rounding || difference_hi < -2 * rounding;
+    if (empty) {
+      windows_.pop_back();
+      return;
+    }
+    const bool at_rounding = std::max(std::max(-lo.x, hi.x), std::max(-lo.y, hi.y)) <= 2 * rounding;
+    if (at_rounding || std::max(window.half.x, window.half.y) < 1e-15) {
+      add_touching(window);
+      windows_.pop_back();
+      return;
+    }
+    int direction = 0;
+    if (certified(net, window, direction)) {
+      windows_.pop_back();
+      return;
+    }
+    split(window, direction);
+  }
+
+  // True if the window holds no root, or one that has been found. Else `direction` is the one to split.
+  bool certified(const Vec2* net, const Window& window, int& direction) {
+    const int pu = patch_.pu, pv = patch_.pv;
+    Vec2 slo{kInf}, shi{-kInf}, tlo{kInf}, thi{-kInf};
+    for (int i = 0; i <= pu; ++i)
+      for (int j = 0; j <= pv; ++j) {
+        const Vec2* at = net + static_cast<std::size_t>(i) * (pv + 1) + j;
+        if (i < pu) {
+          const Vec2 d = 0.5 * pu * (at[pv + 1] - at[0]);
+          slo = glm::min(slo, d);
+          shi = glm::max(shi, d);
+        }
+        if (j < pv) {
+          const Vec2 d = 0.5 * pv * (at[1] - at[0]);
+          tlo = glm::min(tlo, d);
+          thi = glm::max(thi, d);
+        }
+      }
+    const Vec2 s = 0.5 * (slo + shi), t = 0.5 * (tlo + thi), es = 0.5 * (shi - slo), et = 0.5 * (thi - tlo);
+    const auto largest = [](const Vec2& a, const Vec2& b) { return std::max(std::max(std::abs(a.x), std::abs(b.x)), std::max(std::abs(a.y), std::abs(b.y))); };
+    direction = largest(slo, shi) >= largest(tlo, thi) ? 0 : 1;
+    if (window.half[direction] < 1e-15) direction = 1 - direction;
+    Mat2 inverse;
+    if (!invert({s.x, t.x, s.y, t.y}, inverse)) return false;
+    const auto contraction = [&](double p, double q) { return std::abs(p) * (es.x + et.x) + std::abs(q) * (es.y + et.y); };
+    const Vec2 kappa{contraction(inverse.a, inverse.b), contraction(inverse.c, inverse.d)};
+    if (!(std::max(kappa.x, kappa.y) < kCertified)) return false;
+    const Vec2 border = kBorder + 16 * kEps * ray_.scale * largest_weight_ * row_lengths(inverse);
+    const PlaneJet middle = plane_jet(patch_, ray_, window.middle);
+    const Vec2 linear = -inverse.times(middle.jet.H.w * middle.F);
+    if (std::abs(linear.x) > (1 + border.x) * (1 + kappa.x) || std::abs(linear.y) > (1 + border.y) * (1 + kappa.y)) return true;
+    Root root;
+    const NewtonEnd end = newton(patch_, ray_, window, linear, border, stats_, root);
+    if (end == NewtonEnd::failed || (end == NewtonEnd::left_window && std::max(kappa.x, kappa.y) > kOneToOneAround)) return false;
+    if (end == NewtonEnd::converged) add({root.st, root.t, HitStatus::fallback, root.steps});
+    return true;
+  }
+
+  // Both halves; the low one takes the place of the whole.
+  void split(const Window& window, int direction) {
+    const std::size_t base = (windows_.size() - 1) * stride_;
+    nets_.resize(std::max(nets_.size(), base + 2 * stride_));
+    Vec2 *low = &nets_[base], *high = &nets_[base + stride_];
+    const int pv = patch_.pv, lines = direction == 0 ? pv : patch_.pu, degree = direction == 0 ? patch_.pu : pv;
+    const std::size_t step = direction == 0 ? static_cast<std::size_t>(pv) + 1 : 1, across = direction == 0 ? 1 : static_cast<std::size_t>(pv) + 1;
+    for (int k = 0; k <= lines; ++k) {
+      Vec2 *a = low + static_cast<std::size_t>(k) * across, *b = high + static_cast<std::size_t>(k) * across;
+      std::array<Vec2, kMaxDegree + 1> work;
+      for (int i = 0; i <= degree; ++i) work[i] = a[i * step];
+      for (int level = 0; level <= degree; ++level) {
+        a[level * step] = work[0];
+        b[(degree - level) * step] = work[degree - level];
+        for (int i = 0; i + level < degree; ++i) work[i] = 0.5 * (work[i] + work[i + 1]);
+      }
+    }
+    Window half = window;
+    half.half[direction] *= 0.5;
+    half.middle[direction] = window.middle[direction] - half.half[direction];
+    windows_.back() = half;
+    half.middle[direction] = window.middle[direction] + half.half[direction];
+    windows_.push_back(half);
+  }
+
+  void add_touching(const Window& window) {
+    const PlaneJet p = plane_jet(patch_, ray_, window.middle);
+    add({window.middle, ray_.t_of(project(p.jet.H)), HitStatus::tangent, 0});
+  }
+
+  // A touching root swallows its like nearby; simple roots at one place of the ray and of the patch are one.
+  void add(const Root& root) {
+    const double near = root.status == HitStatus::tangent ? 1e-7 : 1e-12;
+    for (std::size_t i = first_root_; i < roots_.size(); ++i) {
+      const Root& other = roots_[i];
+      const bool same_kind = other.status == root.status;
+      const bool same_t = std::abs(other.t - root.t) * std::sqrt(1 / ray_.inverse_dd) <= near * ray_.scale;
+      if (same_kind && same_t && (root.status == HitStatus::tangent || glm::length(other.st - root.st) <= 1e-7)) return;
+    }
+    roots_.push_back(root);
+  }
+
+  const BezierPatch& patch_;
+  const LocalRay& ray_;
+  SolverStats& stats_;
+  std::vector<Root>& roots_;
+  std::size_t stride_, first_root_;
+  double largest_weight_ = 0;
+  static thread_local std::vector<Vec2> nets_;
+  static thread_local std::vector<Window> windows_;
+};
+
+thread_local std::vector<Vec2> Subdivision::nets_;
+thread_local std::vector<Window> Subdivision::windows_;
+
+Window window_of(const Leaf& leaf) {
+  constexpr double kUnit = 1.0 / 4096;
+  const Vec2 half{0.5 * kUnit * leaf.size[0], 0.5 * kUnit * leaf.size[1]};
+  return {Vec2{(leaf.corner >> 16) * kUnit, (leaf.corner & 0xffffu) * kUnit} + half, half};
+}
+
+Vec3 load(const float v[3]) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+void roots_in_leaf(const LeafPatch& patch, const Leaf& leaf, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots) {
+  ++stats.leaf_visits;
+  const Vec3 centre = load(leaf.centre), A = load(leaf.A), B = load(leaf.B);
+  const Vec2 F{glm::dot(ray.n1, centre) - ray.d1, glm::dot(ray.n2, centre) - ray.d2};
+  const Mat2 J{glm::dot(ray.n1, A), glm::dot(ray.n1, B), glm::dot(ray.n2, A), glm::dot(ray.n2, B)};
+  Mat2 inverse;
+  if (invert(J, inverse)) {
+    const Vec2 reach = row_lengths(inverse);
+    const Vec2 kappa = reach * (static_cast<double>(leaf.stray_a) + leaf.stray_b);
+    if (std::max(kappa.x, kappa.y) < kFast) {
+      const Vec2 linear = -inverse.times(F);
+      // The float record's own error moves the linear root by reach times the centre's rounding, which the margin holds for head-on rays.
+      const Vec2 border = kBorder + 16 * kEps * ray.scale * reach;
+      const Vec2 limit = (1.0 + border) * (1.0 + kappa) + 4e-7 * ray.scale * reach;
+      if (std::abs(linear.x) > limit.x || std::abs(linear.y) > limit.y) {
+        ++stats.slab_rejects;
+        return;
+      }
+      ++stats.solves;
+      Root root;
+      const NewtonEnd end = newton(patch.piece.patch, ray, window_of(leaf), glm::clamp(linear, Vec2(-1.0), Vec2(1.0)), border, stats, root);
+      if (end == NewtonEnd::converged) roots.push_back(root);
+      if (end == NewtonEnd::converged || (end == NewtonEnd::left_window && std::max(kappa.x, kappa.y) <= kOneToOneAround)) return;
+    }
+  }
+  ++stats.fallbacks;
+  Subdivision(patch, ray, stats, roots).run(window_of(leaf));
+}
+
+}  // namespace iso
