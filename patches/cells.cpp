@@ -1,5 +1,9 @@
 #include "patches/cells.h"
 
+#include <array>
+
+#include "patches/base/bspline_basis.h"
+
 namespace iso {
 
 namespace {
@@ -11,63 +15,126 @@ struct Node {
   int levels = 0;
 };
 
-// The subpatch shifted to the cell's middle and scaled to weight 1 there: rows of (P, w).
-struct Centred {
+// The linear model of a subpatch about its middle, and bounds on how far its derivatives stray from it.
+struct LinearModel {
   Point3 centre{0.0};
-  Vec4 Da{0.0}, Db{0.0};  // derivatives of (P, w) at the middle, per half width
-  std::vector<Vec4> net;
+  Vec3 A{0.0}, B{0.0};
+  double stray_a = 0, stray_b = 0;
+  double along_s = 0, along_t = 0;  // how much the derivatives vary when moving in s, in t, as shares of |A| and |B|
+  int split_direction() const { return along_s >= along_t ? 0 : 1; }
 };
 
-Centred centred(const BezierPatch& patch) {
-  const HomogeneousJet j = homogeneous_jet(patch, {0.5, 0.5});
-  Centred c;
-  c.centre = project(j.H);
-  const auto shifted = [&](const Vec4& h) { return Vec4(Vec3(h) - h.w * c.centre, h.w) / j.H.w; };
-  c.Da = 0.5 * shifted(j.Hs);
-  c.Db = 0.5 * shifted(j.Ht);
-  c.net.reserve(patch.net.size());
-  for (const Vec4& h : patch.net) c.net.push_back(shifted(h));
-  return c;
+bool is_rational(const BezierPatch& patch) {
+  for (const Vec4& h : patch.net)
+    if (h.w != patch.net.front().w) return true;
+  return false;
 }
 
-// Bounds of the derivative nets against the middle's derivative, and the variation along each parameter.
-struct Strays {
-  double a = 0, b = 0, weight_a = 0, weight_b = 0;
-  double along_s = 0, along_t = 0;  // variation of both derivatives when moving in s, in t
-};
-
-Strays strays_of(const BezierPatch& patch, const Centred& c) {
-  Strays out;
+// Polynomial patches: the derivatives lie in the hulls of the difference nets.
+void bound_polynomial(const BezierPatch& patch, LinearModel& m) {
   const int pu = patch.pu, pv = patch.pv;
-  const auto at = [&](int i, int j) -> const Vec4& { return c.net[static_cast<std::size_t>(i) * (pv + 1) + j]; };
-  const auto ds = [&](int i, int j) { return 0.5 * pu * (at(i + 1, j) - at(i, j)); };
-  const auto dt = [&](int i, int j) { return 0.5 * pv * (at(i, j + 1) - at(i, j)); };
+  const double scale = 0.5 / patch.net.front().w;
   for (int i = 0; i < pu; ++i)
-    for (int j = 0; j <= pv; ++j) {
-      const Vec4 d = ds(i, j);
-      out.a = std::max(out.a, glm::length(Vec3(d) - Vec3(c.Da)));
-      out.weight_a = std::max(out.weight_a, std::abs(d.w));
-      if (i + 1 < pu) out.along_s = std::max(out.along_s, pu * glm::length(Vec3(ds(i + 1, j) - d)));
-      if (j < pv) out.along_t = std::max(out.along_t, pv * glm::length(Vec3(ds(i, j + 1) - d)));
-    }
+    for (int j = 0; j <= pv; ++j) m.stray_a = std::max(m.stray_a, glm::length(scale * pu * Vec3(patch.at(i + 1, j) - patch.at(i, j)) - m.A));
   for (int i = 0; i <= pu; ++i)
-    for (int j = 0; j < pv; ++j) {
-      const Vec4 d = dt(i, j);
-      out.b = std::max(out.b, glm::length(Vec3(d) - Vec3(c.Db)));
-      out.weight_b = std::max(out.weight_b, std::abs(d.w));
-      if (j + 1 < pv) out.along_t = std::max(out.along_t, pv * glm::length(Vec3(dt(i, j + 1) - d)));
-      if (i < pu) out.along_s = std::max(out.along_s, pu * glm::length(Vec3(dt(i + 1, j) - d)));
-    }
-  return out;
+    for (int j = 0; j < pv; ++j) m.stray_b = std::max(m.stray_b, glm::length(scale * pv * Vec3(patch.at(i, j + 1) - patch.at(i, j)) - m.B));
 }
 
-// Stray derivatives against the lengths of A and B at right angles to each other: the contraction of Newton's map for a head-on ray.
-double bend_of(const Centred& c, const Strays& strays, double radius) {
-  const Vec3 A(c.Da), B(c.Db);
-  const double cross = glm::length(glm::cross(A, B));
-  const double stray = strays.a + strays.b + radius * (strays.weight_a + strays.weight_b);
-  const double longest = std::max(glm::length(A), glm::length(B));
-  return cross > 0 ? stray * longest / cross : kInf;
+// Binomial coefficients as doubles.
+const std::array<double, 2 * kMaxDegree + 1>& binomials(int n) {
+  static const auto kTable = [] {
+    std::array<std::array<double, 2 * kMaxDegree + 1>, 2 * kMaxDegree + 1> t{};
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      t[i][0] = 1;
+      for (std::size_t j = 1; j <= i; ++j) t[i][j] = t[i - 1][j - 1] + (j < i ? t[i - 1][j] : 0.0);
+    }
+    return t;
+  }();
+  return kTable[static_cast<std::size_t>(n)];
+}
+
+// Rational patches: dS/ds - A = ((P_s w - P w_s) - A w^2) / w^2, with P about the middle. Numerator and denominator are polynomials of degree
+// (2p, 2q), multiplied out in Bernstein form (coefficients times binomials multiply like power series); their coefficients bound the quotient.
+double bound_rational(const BezierPatch& patch, const LinearModel& m, int direction) {
+  const int pu = patch.pu, pv = patch.pv;
+  const Vec3 mean = direction == 0 ? m.A : m.B;
+  // Differences of one degree less in `direction`, then one elevation back, so that all sums have degree (2 pu, 2 pv).
+  const int ru = direction == 0 ? pu - 1 : pu, rv = direction == 0 ? pv : pv - 1;
+  if (ru < 0 || rv < 0) return 0;
+  const auto shifted = [&](int i, int j) { return Vec4(Vec3(patch.at(i, j)) - patch.at(i, j).w * m.centre, patch.at(i, j).w); };
+  std::vector<Vec4> net, difference;
+  for (int i = 0; i <= pu; ++i)
+    for (int j = 0; j <= pv; ++j) net.push_back(shifted(i, j));
+  const auto at = [&](int i, int j) -> const Vec4& { return net[static_cast<std::size_t>(i) * (pv + 1) + j]; };
+  for (int i = 0; i <= ru; ++i)
+    for (int j = 0; j <= rv; ++j) difference.push_back(direction == 0 ? 0.5 * pu * (at(i + 1, j) - at(i, j)) : 0.5 * pv * (at(i, j + 1) - at(i, j)));
+  const int du = ru + pu, dv = rv + pv;
+  std::vector<Vec3> product(static_cast<std::size_t>(du + 1) * (dv + 1), Vec3(0.0));
+  const auto &cu = binomials(pu), &cv = binomials(pv), &eu = binomials(ru), &ev = binomials(rv);
+  for (int i = 0; i <= ru; ++i)
+    for (int j = 0; j <= rv; ++j) {
+      const Vec4 d = difference[static_cast<std::size_t>(i) * (rv + 1) + j] * (eu[i] * ev[j]);
+      for (int k = 0; k <= pu; ++k)
+        for (int l = 0; l <= pv; ++l)
+          product[static_cast<std::size_t>(i + k) * (dv + 1) + j + l] += (Vec3(d) * at(k, l).w - Vec3(at(k, l)) * d.w) * (cu[k] * cv[l]);
+    }
+  std::vector<double> square(static_cast<std::size_t>(2 * pu + 1) * (2 * pv + 1), 0.0);
+  for (int i = 0; i <= pu; ++i)
+    for (int j = 0; j <= pv; ++j)
+      for (int k = 0; k <= pu; ++k)
+        for (int l = 0; l <= pv; ++l) square[static_cast<std::size_t>(i + k) * (2 * pv + 1) + j + l] += at(i, j).w * at(k, l).w * cu[i] * cv[j] * cu[k] * cv[l];
+  const auto &fu = binomials(2 * pu), &fv = binomials(2 * pv);
+  double worst = 0, least = kInf;
+  for (int i = 0; i <= 2 * pu; ++i)
+    for (int j = 0; j <= 2 * pv; ++j) {
+      // Scaled coefficients (with the binomials in them) are raised a degree by adding their lower neighbour.
+      Vec3 raised{0.0};
+      const int bi = direction == 0 ? i - 1 : i, bj = direction == 0 ? j : j - 1;
+      if (i <= du && j <= dv) raised += product[static_cast<std::size_t>(i) * (dv + 1) + j];
+      if (bi >= 0 && bj >= 0) raised += product[static_cast<std::size_t>(bi) * (dv + 1) + bj];
+      const double w2 = square[static_cast<std::size_t>(i) * (2 * pv + 1) + j];
+      worst = std::max(worst, glm::length(raised - mean * w2) / (fu[i] * fv[j]));
+      least = std::min(least, w2 / (fu[i] * fv[j]));
+    }
+  return worst / least;
+}
+
+// Half-width derivatives of S.
+struct Slopes {
+  Vec3 a, b;
+};
+Slopes slopes(const BezierPatch& patch, const Vec2& st) {
+  const HomogeneousJet j = homogeneous_jet(patch, st);
+  const Vec3 S = project(j.H);
+  return {0.5 * (Vec3(j.Hs) - j.Hs.w * S) / j.H.w, 0.5 * (Vec3(j.Ht) - j.Ht.w * S) / j.H.w};
+}
+
+LinearModel model_of(const BezierPatch& patch) {
+  LinearModel m;
+  m.centre = project(homogeneous_jet(patch, {0.5, 0.5}).H);
+  const Slopes middle = slopes(patch, {0.5, 0.5});
+  m.A = middle.a;
+  m.B = middle.b;
+  if (is_rational(patch)) {
+    m.stray_a = bound_rational(patch, m, 0);
+    m.stray_b = bound_rational(patch, m, 1);
+  } else {
+    bound_polynomial(patch, m);
+  }
+  const double a = std::max(glm::length(m.A), 1e-300), b = std::max(glm::length(m.B), 1e-300);
+  const auto variation = [&](const Vec2& from, const Vec2& to) {
+    const Slopes p = slopes(patch, from), q = slopes(patch, to);
+    return glm::length(p.a - q.a) / a + glm::length(p.b - q.b) / b;
+  };
+  m.along_s = variation({0, 0.5}, {0.5, 0.5}) + variation({0.5, 0.5}, {1, 0.5});
+  m.along_t = variation({0.5, 0}, {0.5, 0.5}) + variation({0.5, 0.5}, {0.5, 1});
+  return m;
+}
+
+// The contraction of Newton's map over the cell for a head-on ray: the strays against the heights of A and B over each other.
+double bend_of(const LinearModel& m) {
+  const double cross = glm::length(glm::cross(m.A, m.B));
+  return cross > 0 ? (m.stray_a * glm::length(m.B) + m.stray_b * glm::length(m.A)) / cross : kInf;
 }
 
 Box2 native_box(const BezierPiece& piece, const Node& node) { return {piece.to_native(node.lo), piece.to_native(node.hi)}; }
@@ -83,17 +150,14 @@ void divide(const BezierPiece& piece, int piece_index, const TrimRegion& trim, c
     const TrimRegion::Kind kind = trim.classify(native_box(piece, node));
     if (kind == TrimRegion::Kind::outside) continue;
     const Box3 box = hull_box(node.patch);
-    const Centred c = centred(node.patch);
-    const Strays strays = strays_of(node.patch, c);
-    const double radius = 0.5 * box.diagonal();
-    const bool bends = bend_of(c, strays, radius) > policy.bend;
+    const LinearModel m = model_of(node.patch);
     const bool last = node.levels >= policy.most_levels || (node.levels >= 6 && box.diagonal() < policy.small);
-    if (!bends || last) {
-      cells.push_back({piece_index, node.lo, node.hi, c.centre, Vec3(c.Da), Vec3(c.Db), strays.a, strays.b, strays.weight_a, strays.weight_b, box, kind});
+    if (last || bend_of(m) <= policy.bend) {
+      cells.push_back({piece_index, node.lo, node.hi, m.centre, m.A, m.B, m.stray_a, m.stray_b, box, kind});
       continue;
     }
     const Vec2 width = node.hi - node.lo;
-    int direction = strays.along_s >= strays.along_t ? 0 : 1;
+    int direction = m.split_direction();
     if (width[direction] < 1.0 / 4096) direction = 1 - direction;  // dyadic boxes hold twelve levels a direction
     Node low{{}, node.lo, node.hi, node.levels + 1}, high = low;
     split_in_half(node.patch, direction, low.patch, high.patch);

@@ -10,21 +10,20 @@
 
 namespace iso {
 
-// Over the cell, with (a, b) in [-1, 1]^2 its own parameters, w the weight scaled to 1 at the middle, and P = w (S - centre):
-//   |dP/da - A| <= stray_a,  |dP/db - B| <= stray_b   (3-vectors), and |dw/da| <= weight_a, |dw/db| <= weight_b.
+// Over the cell, with (a, b) in [-1, 1]^2 its own parameters: |dS/da - A| <= stray_a and |dS/db - B| <= stray_b (3-vectors).
 struct FaceCell {
   int piece = 0;          // index into the face's Bezier pieces
   Vec2 lo{0.0}, hi{1.0};  // dyadic box in the piece's unit square
   Point3 centre{0.0};
   Vec3 A{0.0}, B{0.0};
-  double stray_a = 0, stray_b = 0, weight_a = 0, weight_b = 0;
+  double stray_a = 0, stray_b = 0;
   Box3 box;  // of the hull of the control points
   TrimRegion::Kind kind = TrimRegion::Kind::inside;
 };
 
 // How fine to divide.
 struct CellPolicy {
-  double bend = 0.12;       // split until stray / (size of A and B at right angles) is below this
+  double bend = 0.2;        // split until stray / (size of A and B at right angles) is below this
   double small = 1e-3;      // a cell smaller than this (world units) that still bends is degenerate: left to the solver's fallback
   int most_levels = 18;     // binary splits in all
 };

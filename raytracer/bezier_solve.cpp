@@ -204,16 +204,20 @@ class Subdivision {
     if (window.half[direction] < 1e-15) direction = 1 - direction;
     Mat2 inverse;
     if (!invert({s.x, t.x, s.y, t.y}, inverse)) return false;
-    const auto contraction = [&](double p, double q) { return std::abs(p) * (es.x + et.x) + std::abs(q) * (es.y + et.y); };
-    const Vec2 kappa{contraction(inverse.a, inverse.b), contraction(inverse.c, inverse.d)};
-    if (!(std::max(kappa.x, kappa.y) < kCertified)) return false;
+    // M = |J0^-1| E; below one, its largest eigenvalue proves the map one-to-one.
+    const Mat2 M{std::abs(inverse.a) * es.x + std::abs(inverse.b) * es.y, std::abs(inverse.a) * et.x + std::abs(inverse.b) * et.y,
+                 std::abs(inverse.c) * es.x + std::abs(inverse.d) * es.y, std::abs(inverse.c) * et.x + std::abs(inverse.d) * et.y};
+    const double half_trace = 0.5 * (M.a + M.d);
+    const double contraction = half_trace + std::sqrt(0.25 * (M.a - M.d) * (M.a - M.d) + M.b * M.c);
+    if (!(contraction < kCertified)) return false;
+    const Vec2 kappa{M.a + M.b, M.c + M.d};
     const Vec2 border = kBorder + 16 * kEps * ray_.scale * largest_weight_ * row_lengths(inverse);
     const PlaneJet middle = plane_jet(patch_, ray_, window.middle);
     const Vec2 linear = -inverse.times(middle.jet.H.w * middle.F);
     if (std::abs(linear.x) > (1 + border.x) * (1 + kappa.x) || std::abs(linear.y) > (1 + border.y) * (1 + kappa.y)) return true;
     Root root;
     const NewtonEnd end = newton(patch_, ray_, window, linear, border, stats_, root);
-    if (end == NewtonEnd::failed || (end == NewtonEnd::left_window && std::max(kappa.x, kappa.y) > kOneToOneAround)) return false;
+    if (end == NewtonEnd::failed || (end == NewtonEnd::left_window && contraction > kOneToOneAround)) return false;
     if (end == NewtonEnd::converged) add({root.st, root.t, HitStatus::fallback, root.steps});
     return true;
   }
@@ -291,8 +295,10 @@ void roots_in_leaf(const LeafPatch& patch, const Leaf& leaf, const LocalRay& ray
   Mat2 inverse;
   if (invert(J, inverse)) {
     const Vec2 reach = row_lengths(inverse);
+    // |J0^-1| E is the outer product of `reach` and the strays: its only eigenvalue is their scalar product.
     const Vec2 kappa = reach * (static_cast<double>(leaf.stray_a) + leaf.stray_b);
-    if (std::max(kappa.x, kappa.y) < kFast) {
+    const double contraction = reach.x * leaf.stray_a + reach.y * leaf.stray_b;
+    if (contraction < kFast) {
       const Vec2 linear = -inverse.times(F);
       // The float record's own error moves the linear root by reach times the centre's rounding, which the margin holds for head-on rays.
       const Vec2 border = kBorder + 16 * kEps * ray.scale * reach;
@@ -305,7 +311,7 @@ void roots_in_leaf(const LeafPatch& patch, const Leaf& leaf, const LocalRay& ray
       Root root;
       const NewtonEnd end = newton(patch.piece.patch, ray, window_of(leaf), glm::clamp(linear, Vec2(-1.0), Vec2(1.0)), border, stats, root);
       if (end == NewtonEnd::converged) roots.push_back(root);
-      if (end == NewtonEnd::converged || (end == NewtonEnd::left_window && std::max(kappa.x, kappa.y) <= kOneToOneAround)) return;
+      if (end == NewtonEnd::converged || (end == NewtonEnd::left_window && contraction <= kOneToOneAround)) return;
     }
   }
   ++stats.fallbacks;

@@ -20,10 +20,9 @@ Leaf make_leaf(const FaceCell& cell, std::uint32_t patch, double part_size) {
   store(cell.centre, leaf.centre);
   store(cell.A, leaf.A);
   store(cell.B, leaf.B);
-  const double radius = 0.5 * cell.box.diagonal() + kBoxInflation * part_size;
   const double rounding = 1e-6 * (glm::length(cell.A) + glm::length(cell.B));
-  leaf.stray_a = static_cast<float>(1.000001 * (cell.stray_a + radius * cell.weight_a + rounding));
-  leaf.stray_b = static_cast<float>(1.000001 * (cell.stray_b + radius * cell.weight_b + rounding));
+  leaf.stray_a = static_cast<float>(1.000001 * (cell.stray_a + rounding));
+  leaf.stray_b = static_cast<float>(1.000001 * (cell.stray_b + rounding));
   const double cross = glm::length(glm::cross(cell.A, cell.B)), longest = std::max(glm::length(cell.A), glm::length(cell.B));
   leaf.margin = static_cast<float>(std::min(1e6, 1e-5 + 2 * kFloatRounding * part_size * longest / std::max(cross, 1e-300)));
   leaf.patch = patch;
