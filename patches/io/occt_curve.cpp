@@ -26,8 +26,6 @@
 namespace iso::occt {
 namespace {
 
-// A B-spline whose needed range leaves its domain by less than this share of the period is not cut anew.
-constexpr double kWindowSlack = 1e-9;
 // Samples per approximated curve when its error is measured.
 constexpr int kErrorSamples = 400;
 // Limits handed to Open CASCADE's approximation; the reached error is measured afterwards.
@@ -80,10 +78,11 @@ auto y_axis(const Conic& conic) {
 // Poles with weights, and knots written out with their multiplicities.
 template <class V, class BSpline>
 NurbsCurve<V> nurbs_of(const BSpline& s) {
+  const bool weighted = s->IsRational();
   NurbsCurve<V> n;
   n.degree = s->Degree();
   for (int i = 1; i <= s->NbKnots(); ++i) n.knots.insert(n.knots.end(), static_cast<size_t>(s->Multiplicity(i)), s->Knot(i));
-  for (int i = 1; i <= s->NbPoles(); ++i) n.poles.push_back(homogeneous(to_vec(s->Pole(i)), s->Weight(i)));
+  for (int i = 1; i <= s->NbPoles(); ++i) n.poles.push_back(homogeneous(to_vec(s->Pole(i)), weighted ? s->Weight(i) : 1.0));
   return n;
 }
 
@@ -97,25 +96,30 @@ NurbsCurve<V> nurbs_of_bezier(const Bezier& b) {
   return n;
 }
 
+// The knot of a periodic B-spline nearest to t.
+template <class BSpline>
+int nearest_knot(const BSpline& s, double t) {
+  int best = 1;
+  for (int i = 2; i <= s->NbKnots(); ++i)
+    if (std::abs(s->Knot(i) - t) < std::abs(s->Knot(best) - t)) best = i;
+  return best;
+}
+
 // A periodic B-spline is cut open where the needed range begins, by inserting a knot there: the shape stays exactly the same.
 template <class T>
 NurbsCurve<typename T::V> unrolled(const opencascade::handle<typename T::BSpline>& spline, const Range& needed) {
   const auto s = opencascade::handle<typename T::BSpline>::DownCast(spline->Copy());
   const double lo = s->FirstParameter(), period = s->Period();
-  const double start = window_start(lo, period, needed);
-  const double inside = start - std::floor((start - lo) / period) * period;
-  double shift = 0;
-  if (start != lo) {
-    s->InsertKnot(inside, 1, kWindowSlack * period);
-    int at = 1;
-    for (int i = 1; i <= s->NbKnots(); ++i)
-      if (std::abs(s->Knot(i) - inside) < std::abs(s->Knot(at) - inside)) at = i;
-    if (at < s->NbKnots()) s->SetOrigin(at);
-    shift = start - inside;
+  const Window window = window_of(lo, period, needed);
+  if (window.cut != lo) {
+    const double slack = kWindowSlack * period;
+    if (std::abs(s->Knot(nearest_knot(s, window.cut)) - window.cut) > slack) s->InsertKnot(window.cut, 1, slack);
+    const int at = nearest_knot(s, window.cut);
+    if (at > 1 && at < s->NbKnots()) s->SetOrigin(at);
   }
   s->SetNotPeriodic();
   auto n = nurbs_of<typename T::V>(s);
-  for (double& k : n.knots) k += shift;
+  for (double& k : n.knots) k += window.shift;
   return n;
 }
 
@@ -193,13 +197,13 @@ double finite_or_infinite(double parameter) {
   return parameter;
 }
 
-double window_start(double lo, double period, const Range& needed) {
+Window window_of(double lo, double period, const Range& needed) {
   const double slack = kWindowSlack * period;
-  if (needed.empty() || (needed.lo >= lo - slack && needed.hi <= lo + period + slack)) return lo;
+  if (needed.empty() || (needed.lo >= lo - slack && needed.hi <= lo + period + slack)) return {lo, 0};
   // Where whole periods are enough, no knot is inserted.
-  const double moved_lo = lo + std::floor((needed.lo - lo) / period + kWindowSlack) * period;
-  if (needed.hi <= moved_lo + period + slack) return moved_lo;
-  return needed.lo;
+  const double shift = std::floor((needed.lo - lo) / period + kWindowSlack) * period;
+  if (needed.hi <= lo + shift + period + slack) return {lo, shift};
+  return {needed.lo - shift, shift};
 }
 
 std::optional<ConvertedCurve<Vec2>> convert_curve(const Handle(Geom2d_Curve) & curve, const Range& needed) {

@@ -26,7 +26,12 @@ Curve2 moved(const Curve2& curve, const Vec2& scale, const Vec2& shift);
 // Open CASCADE writes infinity as +-2e100.
 double finite_or_infinite(double parameter);
 
-// The start of the period [lo, lo + period) of a periodic B-spline that holds `needed`, or `lo` itself where the file's does already.
-double window_start(double lo, double period, const Range& needed);
+// Where a periodic B-spline with domain [lo, lo + period) is cut open so that one period holds `needed`: at `cut` inside the domain, all
+// knots then moved by `shift` (whole periods). Ranges that leave the domain by less than kWindowSlack periods are not cut anew.
+inline constexpr double kWindowSlack = 1e-9;
+struct Window {
+  double cut, shift;
+};
+Window window_of(double lo, double period, const Range& needed);
 
 }  // namespace iso::occt

@@ -1,0 +1,175 @@
+#include "patches/io/read_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace iso {
+namespace {
+
+enum class Format { step, iges, brep, obj, bpt, unknown };
+constexpr const char* kExpected = "expected STEP, IGES, BREP, OBJ or .bpt";
+constexpr std::streamsize kHead = 4096;  // bytes that decide what a file is
+
+bool starts_with(const std::string& text, const char* start) { return text.rfind(start, 0) == 0; }
+
+std::string lower(std::string s) {
+  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return s;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines(1);
+  for (const char c : text) {
+    if (c == '\n')
+      lines.emplace_back();
+    else if (c != '\r')
+      lines.back() += c;
+  }
+  return lines;
+}
+
+// An IGES line has 72 columns of text, the letter of its section, and its number.
+bool is_iges_line(const std::string& line) {
+  if (line.size() < 74 || line.size() > 82 || std::string("SBCFGD").find(line[72]) == std::string::npos) return false;
+  return std::all_of(line.begin() + 73, line.end(), [](char c) { return c == ' ' || std::isdigit(static_cast<unsigned char>(c)); });
+}
+
+// OBJ: its first statement is one of the format's keywords.
+bool is_obj(const std::vector<std::string>& lines) {
+  static constexpr const char* kWords[] = {"v",      "vt", "vn",     "vp",     "f",   "l",    "p",    "g",    "o",     "s",
+                                           "mtllib", "t",  "usemtl", "cstype", "deg", "bmat", "surf", "curv", "curv2", "call"};
+  for (const std::string& line : lines) {
+    const size_t start = line.find_first_not_of(" \t");
+    if (start == std::string::npos || line[start] == '#') continue;
+    const std::string word = line.substr(start, line.find_first_of(" \t", start) - start);
+    return std::find_if(std::begin(kWords), std::end(kWords), [&](const char* w) { return word == w; }) != std::end(kWords);
+  }
+  return false;
+}
+
+// .bpt: a count alone on the first line, two degrees on the second.
+bool is_bpt(const std::vector<std::string>& lines) {
+  const auto only_integers = [](const std::string& line, int wanted) {
+    int found = 0;
+    for (size_t i = 0; i < line.size();) {
+      if (std::isspace(static_cast<unsigned char>(line[i]))) {
+        ++i;
+        continue;
+      }
+      const size_t from = i;
+      while (i < line.size() && std::isdigit(static_cast<unsigned char>(line[i]))) ++i;
+      if (i == from) return false;
+      ++found;
+    }
+    return found == wanted;
+  };
+  return lines.size() >= 2 && only_integers(lines[0], 1) && only_integers(lines[1], 2);
+}
+
+Format format_of_content(const std::string& head) {
+  if (head.find("ISO-10303-21") != std::string::npos) return Format::step;
+  if (head.find("DBRep_DrawableShape") != std::string::npos || head.find("CASCADE Topology V") != std::string::npos) return Format::brep;
+  const auto lines = lines_of(head);
+  if (is_iges_line(lines[0])) return Format::iges;
+  if (head.find('\0') != std::string::npos) return Format::unknown;
+  if (is_bpt(lines)) return Format::bpt;
+  if (is_obj(lines)) return Format::obj;
+  return Format::unknown;
+}
+
+// Where the content does not tell, the reader that the name asks for gives the better message.
+Format format_of_name(const std::string& path) {
+  const std::string ending = lower(std::filesystem::path(path).extension().string());
+  if (ending == ".obj") return Format::obj;
+  if (ending == ".bpt") return Format::bpt;
+  return Format::unknown;
+}
+
+// What a file that we cannot use seems to be.
+std::string describe(const std::string& head) {
+  if (starts_with(head, "Open CASCADE Topology")) return "a binary BREP file (only the text form can be read)";
+  if (starts_with(head, "solid")) return "an STL mesh (a mesh has no exact surfaces)";
+  if (starts_with(head, "ply")) return "a PLY mesh (a mesh has no exact surfaces)";
+  if (starts_with(head, "glTF")) return "a glTF mesh (a mesh has no exact surfaces)";
+  if (starts_with(head, "PK\x03\x04")) return "a zip archive";
+  if (starts_with(head, "\x1f\x8b")) return "a gzip archive";
+  if (starts_with(head,
+                  "\x7f"
+                  "ELF"))
+    return "a program";
+  const bool text =
+      std::all_of(head.begin(), head.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r' || (c >= ' ' && c <= '~'); });
+  return text ? "text of another kind" : "binary data";
+}
+
+Result<std::string> read_head(const std::string& path) {
+  std::error_code code;
+  const auto status = std::filesystem::status(path, code);
+  if (!std::filesystem::exists(status)) return read_write_error(path, "no such file");
+  if (std::filesystem::is_directory(status)) return read_write_error(path, fmt::format("is a directory; {}", kExpected));
+  if (!std::filesystem::is_regular_file(status)) return read_write_error(path, "is not a regular file");
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return read_write_error(path, fmt::format("cannot be read: {}", std::strerror(errno)));
+  std::string head(static_cast<size_t>(kHead), '\0');
+  in.read(head.data(), kHead);
+  if (in.bad()) return read_write_error(path, fmt::format("cannot be read: {}", std::strerror(errno)));
+  head.resize(static_cast<size_t>(in.gcount()));
+  return head;
+}
+
+Result<Model> read_as(Format format, const std::string& path, const std::string& head) {
+  switch (format) {
+    case Format::step:
+      return read_step(path);
+    case Format::iges:
+      return read_iges(path);
+    case Format::brep:
+      return read_brep(path);
+    case Format::obj:
+      return read_obj(path);
+    case Format::bpt:
+      return read_bpt(path);
+    case Format::unknown:
+      break;
+  }
+  return bad_input(path, "", fmt::format("{}; found {}", kExpected, describe(head)));
+}
+
+// Why nothing is left: what was dropped and what was there instead of faces.
+std::string reason_for_no_faces(const Model& model) {
+  constexpr size_t kTold = 3;
+  std::string text = "no faces that can be used";
+  size_t told = 0;
+  for (const Problem& p : model.problems) {
+    if (p.kind != Problem::Kind::dropped && p.kind != Problem::Kind::note) continue;
+    if (told++ == kTold) return text + "; ...";
+    text += fmt::format("{} {}: {}", told == 1 ? ":" : ";", p.entity, p.what);
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<Model> read_model(const std::string& path) {
+  const auto head = read_head(path);
+  if (!head) return head.error();
+  if (head->empty()) return bad_input(path, "", fmt::format("{}; found an empty file", kExpected));
+  Format format = format_of_content(*head);
+  if (format == Format::unknown) format = format_of_name(path);
+  auto model = read_as(format, path, *head);
+  if (!model) return model;
+  size_t faces = 0;
+  for (const Instance& instance : model->instances) faces += model->parts[static_cast<size_t>(instance.part)].faces.size();
+  if (faces == 0) return bad_input(path, "", reason_for_no_faces(*model));
+  finish(*model);
+  return model;
+}
+
+}  // namespace iso

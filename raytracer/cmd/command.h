@@ -1,0 +1,25 @@
+// What the subcommands share: how they join the program, and how they speak.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "patches/base/result.h"
+
+namespace iso {
+
+inline constexpr const char* kVersion = ISOPHOTE_VERSION;
+
+// Each adds a subcommand, which leaves its exit code in `exit` when it is the one that was asked for.
+void add_render_command(CLI::App& app, Exit& exit);
+void add_hit_command(CLI::App& app, Exit& exit);
+void add_info_command(CLI::App& app, Exit& exit);
+void add_display_command(CLI::App& app, Exit& exit);
+
+// Says the error on stderr, one line, and gives its exit code.
+Exit fail(const Error& error);
+
+// Writes to standard output; an error is said unless the reader just went away.
+Status write_stdout(std::string_view text);
+
+}  // namespace iso

@@ -1,0 +1,128 @@
+#include "raytracer/cmd/render_options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <filesystem>
+
+namespace iso {
+namespace {
+
+Error bad_option(const std::string& message) { return {Exit::bad_command_line, {}, {}, message}; }
+
+std::set<std::string> names(const auto& list) { return {list.begin(), list.end()}; }
+
+bool is_scene_file(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending == ".json";
+}
+
+// "1280x960".
+std::optional<ImageSize> size_named(const std::string& text) {
+  const auto x = text.find_first_of("xX");
+  if (x == std::string::npos) return {};
+  ImageSize size;
+  const auto number = [](std::string_view part, int& value) {
+    const auto [end, code] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return code == std::errc{} && end == part.data() + part.size() && value >= 1 && value <= kMaxImageSide;
+  };
+  const std::string_view whole = text;
+  if (!number(whole.substr(0, x), size.width) || !number(whole.substr(x + 1), size.height)) return {};
+  if (static_cast<long long>(size.width) * size.height > kMaxPixels) return {};
+  return size;
+}
+
+Status apply_camera_options(const RenderOptions& options, CameraEntry& camera) {
+  if (options.view) {
+    // A named view replaces the scene's viewpoint, not its kind of projection.
+    camera = {.projection = camera.projection,
+              .view = view_named(*options.view),
+              .look_from = {},
+              .look_at = {},
+              .fov = camera.fov,
+              .height = {}};
+  }
+  if (options.orthographic && camera.look_from && camera.projection != Projection::orthographic)
+    return bad_option("--ortho needs a framed camera; the scene places its own, so add --view, or 'type' and 'height' in the scene");
+  if (options.orthographic) camera.projection = Projection::orthographic;
+  if (options.fov && camera.projection == Projection::orthographic) return bad_option("--fov has no meaning for an orthographic camera");
+  if (options.fov) camera.fov = options.fov;
+  return Done{};
+}
+
+}  // namespace
+
+std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command) {
+  auto options = std::make_shared<RenderOptions>();
+  command.add_option("INPUT", options->input, "scene file (.json) or a model: STEP, IGES, BREP, OBJ, BPT")->required();
+  command.add_option("-o,--output", options->output, "OpenEXR file to write")->required();
+  command.add_option("--view", options->view, "frame the models from: iso front back left right top bottom (z is up)")
+      ->check(CLI::IsMember(names(kViewNames)));
+  command.add_option("--shade", options->shade, "clay normals uv faces kinds curvature depth solver [clay]")
+      ->check(CLI::IsMember(names(kShadeNames)));
+  command.add_option("--size", options->size, "WIDTHxHEIGHT in pixels [1280x960]");
+  command.add_option("--samples", options->samples, "rays per pixel [16]")->check(CLI::Range(1, kMaxSamples));
+  command.add_flag("--ortho", options->orthographic, "orthographic camera");
+  command.add_option("--fov", options->fov, "vertical field of view in degrees [28]")->check(CLI::Range(kMinFov, kMaxFov));
+  command.add_option("--background", options->background, "transparent, sky or #rrggbb [sky for a model, transparent for a scene]");
+  command.add_option("--aov", options->aovs, "data layers: all, none, or a list of N P Z uv id with commas [all]");
+  command.add_option("--mode", options->mode, "direct [direct]")->check(CLI::IsMember({"direct", "tessellated"}));
+  command.add_option("--seed", options->seed, "another seed gives other noise [0]");
+  command.add_option("-t,--threads", options->threads, "threads to use; 0: all [0]")->check(CLI::Range(0, 1024));
+  command.add_option("--progress", options->progress, "auto (bar or lines), json, none [auto]")
+      ->check(CLI::IsMember({"auto", "json", "none"}));
+  command.add_flag("-q,--quiet", options->quiet, "say nothing but errors");
+  command.add_flag("--stats", options->stats, "all counters of the build and the solver when done");
+  return options;
+}
+
+Result<SceneEntry> scene_for(const RenderOptions& options) {
+  // A bare model is a scene with default camera and lights, before a light sky.
+  SceneEntry scene;
+  if (is_scene_file(options.input)) {
+    auto read = read_scene(options.input);
+    if (!read) return read.error();
+    scene = std::move(*read);
+  } else {
+    scene.models.push_back({options.input, {}, {}});
+    scene.background = Background{BackgroundKind::sky, {}};
+  }
+
+  if (const auto applied = apply_camera_options(options, scene.camera); !applied) return applied.error();
+  if (options.size) {
+    const auto size = size_named(*options.size);
+    if (!size)
+      return bad_option(fmt::format("--size: found '{}', expected WIDTHxHEIGHT such as 1280x960, sides up to {}, at most {} pixels",
+                                    *options.size, kMaxImageSide, kMaxPixels));
+    scene.size = *size;
+  }
+  if (options.background) {
+    scene.background = background_named(*options.background);
+    if (!scene.background)
+      return bad_option(fmt::format("--background: found '{}', expected transparent, sky or #rrggbb", *options.background));
+  }
+  if (options.shade) scene.shade = *shade_named(*options.shade);
+  if (options.samples) scene.samples = *options.samples;
+  if (options.seed) scene.seed = *options.seed;
+  return scene;
+}
+
+Result<unsigned> aovs_named(const std::string& text) {
+  if (text == "all") return unsigned{kAovAll};
+  if (text == "none") return unsigned{kAovNone};
+  unsigned set = kAovNone;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string name = text.substr(begin, end - begin);
+    const std::vector<const char*> known{"N", "P", "Z", "uv", "id"};
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end())
+      return bad_option(fmt::format("--aov: found '{}', expected all, none, or names of N P Z uv id with commas", name));
+    set |= 1u << (found - known.begin());
+    begin = end + 1;
+  }
+  return set;
+}
+
+}  // namespace iso
