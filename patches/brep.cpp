@@ -21,8 +21,8 @@ void Model::report(Problem::Kind kind, std::string entity, std::string what) {
 namespace {
 
 bool closed_form(const AnySurface& s) {
-  return std::holds_alternative<Plane>(s) || std::holds_alternative<Cylinder>(s) || std::holds_alternative<Cone>(s) || std::holds_alternative<Sphere>(s) ||
-         std::holds_alternative<Torus>(s);
+  return std::holds_alternative<Plane>(s) || std::holds_alternative<Cylinder>(s) || std::holds_alternative<Cone>(s) ||
+         std::holds_alternative<Sphere>(s) || std::holds_alternative<Torus>(s);
 }
 
 // Box of what the trim loops leave of a face, from the cells that are not outside.
@@ -110,8 +110,8 @@ UsesOfEdges uses_of_edges(const Part& part) {
   return uses;
 }
 
-// An edge of one face only may still lie along edges of others (files without topology): the gap is measured to the nearest of them, if every
-// point of it has one within the file's tolerance.
+// An edge of one face only may still lie along edges of others (files without topology): the gap is measured to the nearest of them, if
+// every point of it has one within the file's tolerance.
 void measure_free_edges(Part& part, const UsesOfEdges& uses) {
   struct Free {
     std::size_t edge;

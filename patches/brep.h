@@ -29,15 +29,15 @@ struct Face {
   bool reversed = false;        // outward normal is -(Su x Sv)
   std::optional<Colour> colour;
   std::string name;
-  int solid = -1;                   // number of the closed solid it belongs to, -1 for shells and loose faces
-  double approximation_error = 0;   // world units; > 0 where the file's surface had to be approximated
+  int solid = -1;                  // number of the closed solid it belongs to, -1 for shells and loose faces
+  double approximation_error = 0;  // world units; > 0 where the file's surface had to be approximated
 };
 
 struct Edge {
-  int uses = 0;              // how many times faces use it (a seam counts twice)
-  bool degenerate = false;   // a point in space (pole, apex)
-  double file_tolerance = 0; // as the file states
-  double gap = 0;            // measured: largest distance between the curves that the uses trace on their surfaces; 0 for one use
+  int uses = 0;               // how many times faces use it (a seam counts twice)
+  bool degenerate = false;    // a point in space (pole, apex)
+  double file_tolerance = 0;  // as the file states
+  double gap = 0;             // measured: largest distance between the curves that the uses trace on their surfaces; 0 for one use
 };
 
 struct Part {
@@ -50,7 +50,7 @@ struct Part {
 
 struct Instance {
   int part = 0;
-  Affine3 to_model;  // part coordinates to model coordinates
+  Affine3 to_model;              // part coordinates to model coordinates
   std::optional<Colour> colour;  // used by faces that have none of their own
   std::string name;
 };
@@ -63,9 +63,9 @@ struct Problem {
 };
 
 struct Model {
-  std::string file, format;      // "STEP", "IGES", "BREP", "OBJ", "BPT"
-  std::string file_unit;         // unit written in the file, may be empty
-  std::string unit;              // unit of the coordinates here: "mm" for STEP and IGES, else ""
+  std::string file, format;  // "STEP", "IGES", "BREP", "OBJ", "BPT"
+  std::string file_unit;     // unit written in the file, may be empty
+  std::string unit;          // unit of the coordinates here: "mm" for STEP and IGES, else ""
   std::vector<Part> parts;
   std::vector<Instance> instances;
   std::vector<Problem> problems;

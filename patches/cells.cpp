@@ -35,7 +35,8 @@ void bound_polynomial(const BezierPatch& patch, LinearModel& m) {
   const int pu = patch.pu, pv = patch.pv;
   const double scale = 0.5 / patch.net.front().w;
   for (int i = 0; i < pu; ++i)
-    for (int j = 0; j <= pv; ++j) m.stray_a = std::max(m.stray_a, glm::length(scale * pu * Vec3(patch.at(i + 1, j) - patch.at(i, j)) - m.A));
+    for (int j = 0; j <= pv; ++j)
+      m.stray_a = std::max(m.stray_a, glm::length(scale * pu * Vec3(patch.at(i + 1, j) - patch.at(i, j)) - m.A));
   for (int i = 0; i <= pu; ++i)
     for (int j = 0; j < pv; ++j) m.stray_b = std::max(m.stray_b, glm::length(scale * pv * Vec3(patch.at(i, j + 1) - patch.at(i, j)) - m.B));
 }
@@ -53,8 +54,9 @@ const std::array<double, 2 * kMaxDegree + 1>& binomials(int n) {
   return kTable[static_cast<std::size_t>(n)];
 }
 
-// Rational patches: dS/ds - A = ((P_s w - P w_s) - A w^2) / w^2, with P about the middle. Numerator and denominator are polynomials of degree
-// (2p, 2q), multiplied out in Bernstein form (coefficients times binomials multiply like power series); their coefficients bound the quotient.
+// Rational patches: dS/ds - A = ((P_s w - P w_s) - A w^2) / w^2, with P about the middle. Numerator and denominator are polynomials of
+// degree (2p, 2q), multiplied out in Bernstein form (coefficients times binomials multiply like power series); their coefficients bound the
+// quotient.
 double bound_rational(const BezierPatch& patch, const LinearModel& m, int direction) {
   const int pu = patch.pu, pv = patch.pv;
   const Vec3 mean = direction == 0 ? m.A : m.B;
@@ -67,7 +69,8 @@ double bound_rational(const BezierPatch& patch, const LinearModel& m, int direct
     for (int j = 0; j <= pv; ++j) net.push_back(shifted(i, j));
   const auto at = [&](int i, int j) -> const Vec4& { return net[static_cast<std::size_t>(i) * (pv + 1) + j]; };
   for (int i = 0; i <= ru; ++i)
-    for (int j = 0; j <= rv; ++j) difference.push_back(direction == 0 ? 0.5 * pu * (at(i + 1, j) - at(i, j)) : 0.5 * pv * (at(i, j + 1) - at(i, j)));
+    for (int j = 0; j <= rv; ++j)
+      difference.push_back(direction == 0 ? 0.5 * pu * (at(i + 1, j) - at(i, j)) : 0.5 * pv * (at(i, j + 1) - at(i, j)));
   const int du = ru + pu, dv = rv + pv;
   std::vector<Vec3> product(static_cast<std::size_t>(du + 1) * (dv + 1), Vec3(0.0));
   const auto &cu = binomials(pu), &cv = binomials(pv), &eu = binomials(ru), &ev = binomials(rv);
@@ -82,7 +85,8 @@ double bound_rational(const BezierPatch& patch, const LinearModel& m, int direct
   for (int i = 0; i <= pu; ++i)
     for (int j = 0; j <= pv; ++j)
       for (int k = 0; k <= pu; ++k)
-        for (int l = 0; l <= pv; ++l) square[static_cast<std::size_t>(i + k) * (2 * pv + 1) + j + l] += at(i, j).w * at(k, l).w * cu[i] * cv[j] * cu[k] * cv[l];
+        for (int l = 0; l <= pv; ++l)
+          square[static_cast<std::size_t>(i + k) * (2 * pv + 1) + j + l] += at(i, j).w * at(k, l).w * cu[i] * cv[j] * cu[k] * cv[l];
   const auto &fu = binomials(2 * pu), &fv = binomials(2 * pv);
   double worst = 0, least = kInf;
   for (int i = 0; i <= 2 * pu; ++i)

@@ -23,9 +23,9 @@ struct FaceCell {
 
 // How fine to divide.
 struct CellPolicy {
-  double bend = 0.2;        // split until stray / (size of A and B at right angles) is below this
-  double small = 1e-3;      // a cell smaller than this (world units) that still bends is degenerate: left to the solver's fallback
-  int most_levels = 18;     // binary splits in all
+  double bend = 0.2;     // split until stray / (size of A and B at right angles) is below this
+  double small = 1e-3;   // a cell smaller than this (world units) that still bends is degenerate: left to the solver's fallback
+  int most_levels = 18;  // binary splits in all
 };
 
 // Appends the cells of one piece that are not outside the trim loops.

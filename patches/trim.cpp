@@ -139,7 +139,8 @@ int TrimRegion::row(double v) const { return std::clamp(static_cast<int>(std::fl
 
 namespace {
 
-// Largest step in (u, v) that stays within `tolerance` of the world near a piece; a vanishing derivative is held at a share of the other samples'.
+// Largest step in (u, v) that stays within `tolerance` of the world near a piece; a vanishing derivative is held at a share of the other
+// samples'.
 Vec2 reach_in_parameters(const AnySurface& surface, const Box2& box, double tolerance) {
   Vec2 least{kInf}, most{0.0};
   for (int i = 0; i <= 2; ++i) {
@@ -152,7 +153,8 @@ Vec2 reach_in_parameters(const AnySurface& surface, const Box2& box, double tole
   return 2.0 * tolerance / speed;
 }
 
-// A point where a piece is cut by a grid line; `fixed` coordinates lie on a line (or are an end) and are shared with a neighbour bit for bit.
+// A point where a piece is cut by a grid line; `fixed` coordinates lie on a line (or are an end) and are shared with a neighbour bit for
+// bit.
 struct Cut {
   double t;
   UV p;
@@ -212,7 +214,8 @@ void TrimRegion::fill_cells(const AnySurface& surface) {
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
       if (cuts[i].p == cuts[i + 1].p) continue;
       const UV middle = 0.5 * (cuts[i].p + cuts[i + 1].p);
-      clips[static_cast<std::size_t>(row(middle.y)) * columns_ + column(middle.x)].push_back({k, cuts[i].t, cuts[i + 1].t, cuts[i].p, cuts[i + 1].p});
+      clips[static_cast<std::size_t>(row(middle.y)) * columns_ + column(middle.x)].push_back(
+          {k, cuts[i].t, cuts[i + 1].t, cuts[i].p, cuts[i + 1].p});
     }
     const Vec2 reach = reach_in_parameters(surface, piece.box, piece.tolerance);
     const int c0 = column(piece.box.lo.x - reach.x), c1 = column(piece.box.hi.x + reach.x);
@@ -379,8 +382,8 @@ std::vector<Box2> TrimRegion::cover() const {
 }
 
 std::size_t TrimRegion::bytes() const {
-  return pieces_.size() * sizeof(TrimPiece) + points_.size() * sizeof(Vec3) + clips_.size() * sizeof(Clip) + near_.size() * sizeof(std::uint32_t) +
-         cells_.size() * sizeof(Cell);
+  return pieces_.size() * sizeof(TrimPiece) + points_.size() * sizeof(Vec3) + clips_.size() * sizeof(Clip) +
+         near_.size() * sizeof(std::uint32_t) + cells_.size() * sizeof(Cell);
 }
 
 }  // namespace iso

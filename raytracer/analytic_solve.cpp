@@ -104,7 +104,8 @@ int solve(const Cone& s, const LocalRay& ray, AnalyticRoot roots[2]) {
   const double steep = (1 + k * k) / ray.inverse_dd;
   double t[2];
   HitStatus status;
-  const int n = quadratic(std::abs(a) < 4 * kEps * steep ? 0.0 : a, b, c, 8 * kEps * steep * (size + kEps * ray.scale * ray.scale), t, status);
+  const int n =
+      quadratic(std::abs(a) < 4 * kEps * steep ? 0.0 : a, b, c, 8 * kEps * steep * (size + kEps * ray.scale * ray.scale), t, status);
   for (int i = 0; i < n; ++i) {
     Vec3 p = q + t[i] * r.d;
     const double slope = p.x * r.d.x + p.y * r.d.y - k * k * p.z * r.d.z;

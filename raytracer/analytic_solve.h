@@ -14,7 +14,8 @@ struct AnalyticRoot {
   HitStatus status = HitStatus::converged;
 };
 
-// Up to two roots, whatever their t, angles in [0, 2 pi). A double root is reported once, as tangent. A ray that lies in the surface has none.
+// Up to two roots, whatever their t, angles in [0, 2 pi). A double root is reported once, as tangent. A ray that lies in the surface has
+// none.
 int analytic_roots(const AnySurface& surface, const LocalRay& ray, AnalyticRoot roots[2]);
 
 }  // namespace iso

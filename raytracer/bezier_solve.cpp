@@ -64,7 +64,8 @@ PlaneJet plane_jet(const BezierPatch& patch, const LocalRay& ray, const Vec2& st
 enum class NewtonEnd { converged, left_window, failed };
 
 // Newton from ab on the true polynomials. Converged: residual at rounding level, or the last step so small that the next would vanish.
-NewtonEnd newton(const BezierPatch& patch, const LocalRay& ray, const Window& window, Vec2 ab, const Vec2& border, SolverStats& stats, Root& root) {
+NewtonEnd newton(const BezierPatch& patch, const LocalRay& ray, const Window& window, Vec2 ab, const Vec2& border, SolverStats& stats,
+                 Root& root) {
   const double rounding = 4 * kEps * ray.scale;
   double last_step = kInf;
   for (int step = 1; step <= kMostNewtonSteps; ++step) {
@@ -134,7 +135,8 @@ class Subdivision {
   }
   void cut(int direction, double at, bool keep_low) {
     const int pv = patch_.pv, lines = direction == 0 ? pv : patch_.pu, degree = direction == 0 ? patch_.pu : pv;
-    const std::size_t step = direction == 0 ? static_cast<std::size_t>(pv) + 1 : 1, across = direction == 0 ? 1 : static_cast<std::size_t>(pv) + 1;
+    const std::size_t step = direction == 0 ? static_cast<std::size_t>(pv) + 1 : 1,
+                      across = direction == 0 ? 1 : static_cast<std::size_t>(pv) + 1;
     for (int k = 0; k <= lines; ++k) {
       Vec2* row = &nets_[static_cast<std::size_t>(k) * across];
       for (int level = 1; level <= degree; ++level) {
@@ -160,8 +162,8 @@ class Subdivision {
       difference_lo = std::min(difference_lo, net[i].x - net[i].y);
       difference_hi = std::max(difference_hi, net[i].x - net[i].y);
     }
-    const bool empty = lo.x > rounding || hi.x < -rounding || lo.y > rounding || hi.y < -rounding || sum_lo > 2 * rounding || sum_hi < -2 * rounding ||
-                       difference_lo > 2 * rounding || difference_hi < -2 * rounding;
+    const bool empty = lo.x > rounding || hi.x < -rounding || lo.y > rounding || hi.y < -rounding || sum_lo > 2 * rounding ||
+                       sum_hi < -2 * rounding || difference_lo > 2 * rounding || difference_hi < -2 * rounding;
     if (empty) {
       windows_.pop_back();
       return;
@@ -199,7 +201,9 @@ class Subdivision {
         }
       }
     const Vec2 s = 0.5 * (slo + shi), t = 0.5 * (tlo + thi), es = 0.5 * (shi - slo), et = 0.5 * (thi - tlo);
-    const auto largest = [](const Vec2& a, const Vec2& b) { return std::max(std::max(std::abs(a.x), std::abs(b.x)), std::max(std::abs(a.y), std::abs(b.y))); };
+    const auto largest = [](const Vec2& a, const Vec2& b) {
+      return std::max(std::max(std::abs(a.x), std::abs(b.x)), std::max(std::abs(a.y), std::abs(b.y)));
+    };
     direction = largest(slo, shi) >= largest(tlo, thi) ? 0 : 1;
     if (window.half[direction] < 1e-15) direction = 1 - direction;
     Mat2 inverse;
@@ -228,7 +232,8 @@ class Subdivision {
     nets_.resize(std::max(nets_.size(), base + 2 * stride_));
     Vec2 *low = &nets_[base], *high = &nets_[base + stride_];
     const int pv = patch_.pv, lines = direction == 0 ? pv : patch_.pu, degree = direction == 0 ? patch_.pu : pv;
-    const std::size_t step = direction == 0 ? static_cast<std::size_t>(pv) + 1 : 1, across = direction == 0 ? 1 : static_cast<std::size_t>(pv) + 1;
+    const std::size_t step = direction == 0 ? static_cast<std::size_t>(pv) + 1 : 1,
+                      across = direction == 0 ? 1 : static_cast<std::size_t>(pv) + 1;
     for (int k = 0; k <= lines; ++k) {
       Vec2 *a = low + static_cast<std::size_t>(k) * across, *b = high + static_cast<std::size_t>(k) * across;
       std::array<Vec2, kMaxDegree + 1> work;

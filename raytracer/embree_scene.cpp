@@ -1,8 +1,8 @@
 // The only file that includes Embree: user geometry over leaves, closed-form faces and placed parts, and the batches of rays through them.
 //
 // Embree sees float boxes, rounded outward, and float rays that start on the box they enter; every decision is taken in double from the
-// ray's own record (`Lane`). Placed parts are user geometry too, not Embree instances: their callback moves the ray into the part's coordinates
-// in double and traces the part's scene from there, so a small part far away is met as exactly as one at the origin.
+// ray's own record (`Lane`). Placed parts are user geometry too, not Embree instances: their callback moves the ray into the part's
+// coordinates in double and traces the part's scene from there, so a small part far away is met as exactly as one at the origin.
 #include <embree3/rtcore.h>
 
 #include <array>
@@ -59,9 +59,9 @@ struct Lane {
   Hit best;
   bool blocked = false;
   std::vector<Hit>* all = nullptr;
-  LocalRay local;      // in the part's coordinates, started `shift` along the ray
-  double shift = 0;    // of the local ray, in t
-  double length = 1;   // |local.d|: float distances count in part units
+  LocalRay local;     // in the part's coordinates, started `shift` along the ray
+  double shift = 0;   // of the local ray, in t
+  double length = 1;  // |local.d|: float distances count in part units
   double limit() const { return std::min(tmax, best.t); }
 };
 
@@ -72,7 +72,7 @@ struct Context {
   int current = 0;                     // the placed part being traced
   Lane* lanes = nullptr;
   SolverStats* stats = nullptr;
-  Vec3 centre{0.0};                    // of the world, for the float rays of the top level
+  Vec3 centre{0.0};  // of the world, for the float rays of the top level
   std::array<double, kWidth> top_shift{}, top_length{};
 };
 
@@ -95,7 +95,8 @@ bool clip(const Box3& box, const Vec3& o, const Vec3& d, double tmin, double tma
 
 float rounded_up(double x) {
   const float f = static_cast<float>(x);
-  return static_cast<double>(f) >= x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : std::nextafter(std::nextafter(f, INFINITY), INFINITY);
+  return static_cast<double>(f) >= x ? std::nextafter(f, std::numeric_limits<float>::infinity())
+                                     : std::nextafter(std::nextafter(f, INFINITY), INFINITY);
 }
 
 void set_box(RTCBounds* out, const Box3& box) {
@@ -132,8 +133,8 @@ UV into_domain(const Face& face, UV uv) {
 }
 
 // Offers a root of one face to a lane. Returns true if the lane's state changed.
-bool offer(Context& context, Lane& lane, const PartGeometry& geometry, std::uint32_t face_index, UV uv, double local_t, HitStatus status, unsigned steps,
-           bool crossing) {
+bool offer(Context& context, Lane& lane, const PartGeometry& geometry, std::uint32_t face_index, UV uv, double local_t, HitStatus status,
+           unsigned steps, bool crossing) {
   Hit hit;
   hit.t = lane.shift + local_t;
   if (!(hit.t >= lane.tmin && hit.t <= lane.tmax) || !finite(uv)) return false;
@@ -153,9 +154,14 @@ bool offer(Context& context, Lane& lane, const PartGeometry& geometry, std::uint
   if (status == HitStatus::tangent) ++context.stats->tangent;
   if (hit.by_tolerance) ++context.stats->by_tolerance;
   switch (context.query) {
-    case Query::occluded: lane.blocked = true; return true;
-    case Query::all: lane.all->push_back(hit); return false;
-    case Query::nearest: break;
+    case Query::occluded:
+      lane.blocked = true;
+      return true;
+    case Query::all:
+      lane.all->push_back(hit);
+      return false;
+    case Query::nearest:
+      break;
   }
   if (!comes_first(hit, lane.best)) return false;
   lane.best = hit;
@@ -166,7 +172,8 @@ bool offer(Context& context, Lane& lane, const PartGeometry& geometry, std::uint
 bool in_domain(const Face& face, UV& uv) {
   uv = into_domain(face, uv);
   const Vec2 slack = 1e-12 * face.domain.size();
-  return uv.x >= face.domain.lo.x - slack.x && uv.x <= face.domain.hi.x + slack.x && uv.y >= face.domain.lo.y - slack.y && uv.y <= face.domain.hi.y + slack.y;
+  return uv.x >= face.domain.lo.x - slack.x && uv.x <= face.domain.hi.x + slack.x && uv.y >= face.domain.lo.y - slack.y &&
+         uv.y <= face.domain.hi.y + slack.y;
 }
 
 bool meet_analytic(Context& context, Lane& lane, const PartGeometry& geometry, std::uint32_t primitive) {
@@ -192,7 +199,8 @@ bool meet_leaf(Context& context, Lane& lane, const PartGeometry& geometry, std::
   roots_in_leaf(patch, leaf, lane.local, *context.stats, roots);
   bool changed = false;
   for (const Root& root : roots)
-    changed |= offer(context, lane, geometry, patch.face, patch.piece.to_native(root.st), root.t, root.status, root.steps, leaf.crossing != 0);
+    changed |=
+        offer(context, lane, geometry, patch.face, patch.piece.to_native(root.st), root.t, root.status, root.steps, leaf.crossing != 0);
   return changed;
 }
 
@@ -208,7 +216,8 @@ void intersect_part(const RTCIntersectFunctionNArguments* args) {
   for (unsigned i = 0; i < args->N; ++i) {
     if (!args->valid[i]) continue;
     Lane& lane = context.lanes[RTCRayN_id(rays, args->N, i)];
-    if (meet(context, lane, geometry, args->primID)) RTCRayN_tfar(rays, args->N, i) = std::min(RTCRayN_tfar(rays, args->N, i), far_limit(lane));
+    if (meet(context, lane, geometry, args->primID))
+      RTCRayN_tfar(rays, args->N, i) = std::min(RTCRayN_tfar(rays, args->N, i), far_limit(lane));
   }
 }
 
@@ -243,8 +252,18 @@ void set_ray(RTCRayHit16& r, unsigned i, const Vec3& o, const Vec3& unit, double
 
 RTCRayHit single(const RTCRayHit16& r, unsigned i) {
   RTCRayHit s{};
-  s.ray = {r.ray.org_x[i], r.ray.org_y[i], r.ray.org_z[i], r.ray.tnear[i], r.ray.dir_x[i], r.ray.dir_y[i], r.ray.dir_z[i],
-           0.f,            r.ray.tfar[i],  0xffffffffu,    i,              0u};
+  s.ray = {r.ray.org_x[i],
+           r.ray.org_y[i],
+           r.ray.org_z[i],
+           r.ray.tnear[i],
+           r.ray.dir_x[i],
+           r.ray.dir_y[i],
+           r.ray.dir_z[i],
+           0.f,
+           r.ray.tfar[i],
+           0xffffffffu,
+           i,
+           0u};
   s.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   s.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   return s;
@@ -384,7 +403,8 @@ struct Tracer::Impl {
     out->scene = rtcNewScene(device);
     rtcSetSceneFlags(out->scene, RTC_SCENE_FLAG_ROBUST);
     attach(device, out->scene, out->geometry.leaves.size(), out.get(), leaf_bounds, intersect_part<meet_leaf>, occlude_part<meet_leaf>);
-    attach(device, out->scene, out->geometry.analytic.size(), out.get(), analytic_bounds, intersect_part<meet_analytic>, occlude_part<meet_analytic>);
+    attach(device, out->scene, out->geometry.analytic.size(), out.get(), analytic_bounds, intersect_part<meet_analytic>,
+           occlude_part<meet_analytic>);
     rtcCommitScene(out->scene);
     out->geometry.leaf_boxes = {};
     build.bezier_patches += out->geometry.patches.size();
@@ -418,7 +438,9 @@ struct Tracer::Impl {
     rtcSetSceneFlags(top, RTC_SCENE_FLAG_ROBUST);
     attach(
         device, top, placed.size(), placed.data(),
-        [](const RTCBoundsFunctionArguments* args) { set_box(args->bounds_o, static_cast<const PlacedPart*>(args->geometryUserPtr)[args->primID].world_box); },
+        [](const RTCBoundsFunctionArguments* args) {
+          set_box(args->bounds_o, static_cast<const PlacedPart*>(args->geometryUserPtr)[args->primID].world_box);
+        },
         intersect_placed, occlude_placed);
     rtcCommitScene(top);
   }
@@ -490,7 +512,8 @@ const Face& Tracer::face(const Hit& hit) const {
 void Tracer::nearest(std::span<const Ray> rays, std::span<Hit> hits, Order order, SolverStats& stats) const {
   ISO_CHECK(hits.size() == rays.size());
   impl_->batches(
-      rays, Query::nearest, order == Order::coherent, stats, [](std::size_t, Lane&) {}, [&](std::size_t i, const Lane& lane) { hits[i] = lane.best; });
+      rays, Query::nearest, order == Order::coherent, stats, [](std::size_t, Lane&) {},
+      [&](std::size_t i, const Lane& lane) { hits[i] = lane.best; });
 }
 
 void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked, Order order, SolverStats& stats) const {
@@ -573,7 +596,8 @@ SurfacePoint Tracer::surface_point(const Hit& hit) const {
   const Curvatures k = principal_curvatures(j, out.n);
   out.k1 = k.k1;
   out.k2 = k.k2;
-  const double stretch = std::max({glm::length(placed.to_world.linear[0]), glm::length(placed.to_world.linear[1]), glm::length(placed.to_world.linear[2])});
+  const double stretch =
+      std::max({glm::length(placed.to_world.linear[0]), glm::length(placed.to_world.linear[1]), glm::length(placed.to_world.linear[2])});
   out.error_bound = kEps * (64 * stretch * part_size + 16 * (std::abs(out.p.x) + std::abs(out.p.y) + std::abs(out.p.z)));
   return out;
 }

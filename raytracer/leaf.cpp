@@ -35,7 +35,8 @@ Leaf make_leaf(const FaceCell& cell, std::uint32_t patch, double part_size) {
 }
 
 bool closed_form(const AnySurface& s) {
-  return std::holds_alternative<Plane>(s) || std::holds_alternative<Cylinder>(s) || std::holds_alternative<Cone>(s) || std::holds_alternative<Sphere>(s);
+  return std::holds_alternative<Plane>(s) || std::holds_alternative<Cylinder>(s) || std::holds_alternative<Cone>(s) ||
+         std::holds_alternative<Sphere>(s);
 }
 
 void add_analytic(PartGeometry& geometry, std::uint32_t index, const Face& face, const TrimRegion& trim) {

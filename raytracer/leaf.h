@@ -1,7 +1,8 @@
 // What the tracer keeps of a face: 64-byte leaves over its Bezier patches, or the closed-form surface itself.
 //
 // A leaf holds the linear model of its cell in float, with proven bounds on the strays of the derivatives: enough to tell almost every ray
-// that misses, to start Newton next to the root, and to know when that root is the only one (see bezier_solve.h). The nets stand once per patch.
+// that misses, to start Newton next to the root, and to know when that root is the only one (see bezier_solve.h). The nets stand once per
+// patch.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +15,13 @@ namespace iso {
 
 struct Leaf {
   float centre[3];
-  float A[3], B[3];       // dS/da, dS/db at the centre; the cell is |a|, |b| <= 1
-  float stray_a, stray_b; // |dS/da - A| <= stray_a and |dS/db - B| <= stray_b over the cell; the rounding of this record is included
-  float margin;           // how far beyond 1 the float model's (a, b) may lie for a point of the cell
-  std::uint32_t patch;    // index into PartGeometry::patches
-  std::uint32_t corner;   // lower corner of the dyadic box: s in the high, t in the low 16 bits, in units of 2^-12
-  std::uint16_t size[2];  // extent of the box in the same unit
-  std::uint32_t crossing; // 1: hits must be tested against the trim loops
+  float A[3], B[3];        // dS/da, dS/db at the centre; the cell is |a|, |b| <= 1
+  float stray_a, stray_b;  // |dS/da - A| <= stray_a and |dS/db - B| <= stray_b over the cell; the rounding of this record is included
+  float margin;            // how far beyond 1 the float model's (a, b) may lie for a point of the cell
+  std::uint32_t patch;     // index into PartGeometry::patches
+  std::uint32_t corner;    // lower corner of the dyadic box: s in the high, t in the low 16 bits, in units of 2^-12
+  std::uint16_t size[2];   // extent of the box in the same unit
+  std::uint32_t crossing;  // 1: hits must be tested against the trim loops
 };
 static_assert(sizeof(Leaf) == 64);
 
@@ -40,7 +41,7 @@ struct PartGeometry {
   std::vector<TrimRegion> trims;  // per face
   std::vector<LeafPatch> patches;
   std::vector<Leaf> leaves;
-  std::vector<Box3> leaf_boxes;   // outward; only while the acceleration structure is built
+  std::vector<Box3> leaf_boxes;  // outward; only while the acceleration structure is built
   std::vector<AnalyticFace> analytic;
   Box3 box;
   double size = 0;  // diagonal of the box

@@ -13,8 +13,8 @@ void add_model(TraceScene& scene, std::shared_ptr<const Model> model, const Affi
   for (const Instance& instance : model->instances) {
     // The part lives as long as its model.
     std::shared_ptr<const Part> part(model, &model->parts[static_cast<std::size_t>(instance.part)]);
-    scene.placed.push_back({std::move(part), to_world * instance.to_model, override_colour ? override_colour : instance.colour, override_colour.has_value(),
-                            instance.name});
+    scene.placed.push_back({std::move(part), to_world * instance.to_model, override_colour ? override_colour : instance.colour,
+                            override_colour.has_value(), instance.name});
   }
 }
 

@@ -13,8 +13,8 @@ namespace iso {
 struct Placed {
   std::shared_ptr<const Part> part;
   Affine3 to_world;
-  std::optional<Colour> colour;       // used by faces without a colour of their own
-  bool colour_overrides = false;      // the scene file asked for this colour: it wins over the file's
+  std::optional<Colour> colour;   // used by faces without a colour of their own
+  bool colour_overrides = false;  // the scene file asked for this colour: it wins over the file's
   std::string name;
 };
 

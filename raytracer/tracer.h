@@ -47,8 +47,8 @@ struct SolverStats {
 // A hit's surroundings in world coordinates. `n` is the unit outward normal of the face (not turned toward the ray).
 struct SurfacePoint {
   Vec3 p, n, Su, Sv;
-  double k1, k2;        // principal curvatures with respect to n, per world unit; NaN at singular points
-  double error_bound;   // world units: how far p may be from the true surface by rounding; secondary rays start this far off
+  double k1, k2;       // principal curvatures with respect to n, per world unit; NaN at singular points
+  double error_bound;  // world units: how far p may be from the true surface by rounding; secondary rays start this far off
 };
 
 struct BuildStats {

@@ -33,7 +33,10 @@ inline Interval cos(const Interval& a) {
   const double slack = 1e-15 * std::max({1.0, std::abs(a.lo), std::abs(a.hi)});
   for (double k = std::floor((a.lo - slack) / kPi); k * kPi <= a.hi + slack; k += 1) {
     if (k * kPi < a.lo - slack) continue;
-    if (std::fmod(std::abs(k), 2.0) == 0.0) hi = 1; else lo = -1;
+    if (std::fmod(std::abs(k), 2.0) == 0.0)
+      hi = 1;
+    else
+      lo = -1;
   }
   return {std::max(-1.0, lo - 4 * kEps), std::min(1.0, hi + 4 * kEps)};
 }

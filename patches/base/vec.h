@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
-#include <glm/geometric.hpp>
 #include <limits>
 
 namespace iso {
@@ -18,8 +18,8 @@ using Vec3 = glm::dvec3;
 using Vec4 = glm::dvec4;  // homogeneous point (w x, w y, w z, w)
 using Mat3 = glm::dmat3;
 using Point3 = glm::dvec3;
-using UV = glm::dvec2;      // a point of a surface's parameter domain
-using Colour = glm::vec3;   // linear, Rec. 709 primaries
+using UV = glm::dvec2;     // a point of a surface's parameter domain
+using Colour = glm::vec3;  // linear, Rec. 709 primaries
 
 inline constexpr double kInf = std::numeric_limits<double>::infinity();
 inline constexpr double kEps = std::numeric_limits<double>::epsilon();

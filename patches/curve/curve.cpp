@@ -34,12 +34,15 @@ namespace {
 
 std::string knots_problem(const std::vector<double>& knots, int degree, std::size_t poles) {
   if (degree < 1 || degree > kMaxDegree) return "degree " + std::to_string(degree) + " is not in 1.." + std::to_string(kMaxDegree);
-  if (poles < static_cast<std::size_t>(degree) + 1) return std::to_string(poles) + " poles are too few for degree " + std::to_string(degree);
+  if (poles < static_cast<std::size_t>(degree) + 1)
+    return std::to_string(poles) + " poles are too few for degree " + std::to_string(degree);
   if (knots.size() != poles + static_cast<std::size_t>(degree) + 1)
-    return std::to_string(knots.size()) + " knots, expected poles + degree + 1 = " + std::to_string(poles + static_cast<std::size_t>(degree) + 1);
+    return std::to_string(knots.size()) +
+           " knots, expected poles + degree + 1 = " + std::to_string(poles + static_cast<std::size_t>(degree) + 1);
   for (std::size_t i = 0; i < knots.size(); ++i) {
     if (!finite(knots[i])) return "knot " + std::to_string(i) + " is not a finite number";
-    if (i > 0 && knots[i] < knots[i - 1]) return "knot " + std::to_string(i) + " is smaller than the one before it; knots must not decrease";
+    if (i > 0 && knots[i] < knots[i - 1])
+      return "knot " + std::to_string(i) + " is smaller than the one before it; knots must not decrease";
   }
   if (!(knots[poles] > knots[static_cast<std::size_t>(degree)])) return "the knots span an empty domain";
   return {};
@@ -117,7 +120,8 @@ namespace {
 template <class V>
 std::vector<BezierSpan<V>> spans_of(const Line<V>& c, double t0, double t1) {
   if (!finite(t0) || !finite(t1)) return {};
-  return {{{homogeneous(c.origin + t0 * c.direction, 1.0), homogeneous(c.origin + t1 * c.direction, 1.0)}, {ParamMap::Kind::affine, t0, t1}}};
+  return {
+      {{homogeneous(c.origin + t0 * c.direction, 1.0), homogeneous(c.origin + t1 * c.direction, 1.0)}, {ParamMap::Kind::affine, t0, t1}}};
 }
 
 template <class V>
@@ -198,7 +202,8 @@ std::vector<BezierSpan<V>> spans_of(const NurbsCurve<V>& c, double t0, double t1
       // Neighbours in a chain share their end point bit for bit (they agree to rounding by continuity).
       auto& before = spans[spans.size() - 2].points.back();
       const V shared = project(before);
-      if (glm::length(shared - project(spans.back().points.front())) <= 1e-12 * (1 + glm::length(shared))) spans.back().points.front() = before;
+      if (glm::length(shared - project(spans.back().points.front())) <= 1e-12 * (1 + glm::length(shared)))
+        spans.back().points.front() = before;
     }
   }
   return spans;

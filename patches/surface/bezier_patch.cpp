@@ -84,7 +84,8 @@ void split_in_half(const BezierPatch& patch, int direction, BezierPatch& low, Be
   low.net.resize(patch.net.size());
   high.net.resize(patch.net.size());
   const int lines = direction == 0 ? patch.pv : patch.pu, degree = direction == 0 ? patch.pu : patch.pv;
-  const std::size_t step = direction == 0 ? static_cast<std::size_t>(patch.pv) + 1 : 1, across = direction == 0 ? 1 : static_cast<std::size_t>(patch.pv) + 1;
+  const std::size_t step = direction == 0 ? static_cast<std::size_t>(patch.pv) + 1 : 1,
+                    across = direction == 0 ? 1 : static_cast<std::size_t>(patch.pv) + 1;
   std::array<Vec4, kMaxDegree + 1> work;
   for (int k = 0; k <= lines; ++k) {
     const std::size_t base = static_cast<std::size_t>(k) * across;

@@ -55,13 +55,20 @@ Triple<T> local_point(const Torus& s, const T& u, const T& v) {
 }
 
 template <class S>
-concept Framed = requires(const S& s) { s.frame; };
+concept Framed = requires(const S& s) {
+  s.frame;
+};
 
 template <Framed S>
 Jet2 jet_of(const S& s, UV uv) {
   const auto p = local_point(s, Dual2::variable_u(uv.x), Dual2::variable_v(uv.y));
   const auto combine = [&](double Dual2::*part) { return p.x.*part * s.frame.X + p.y.*part * s.frame.Y + p.z.*part * s.frame.Z; };
-  return {s.frame.O + combine(&Dual2::f), combine(&Dual2::u), combine(&Dual2::v), combine(&Dual2::uu), combine(&Dual2::uv), combine(&Dual2::vv)};
+  return {s.frame.O + combine(&Dual2::f),
+          combine(&Dual2::u),
+          combine(&Dual2::v),
+          combine(&Dual2::uu),
+          combine(&Dual2::uv),
+          combine(&Dual2::vv)};
 }
 
 template <Framed S>
@@ -75,7 +82,8 @@ Box3 bounds_of(const S& s, const Box2& uv) {
   const auto p = local_point(s, Interval(uv.lo.x, uv.hi.x), Interval(uv.lo.y, uv.hi.y));
   Box3 box;
   for (int c = 0; c < 3; ++c) {
-    const Interval along = Interval(s.frame.O[c]) + p.x * Interval(s.frame.X[c]) + p.y * Interval(s.frame.Y[c]) + p.z * Interval(s.frame.Z[c]);
+    const Interval along =
+        Interval(s.frame.O[c]) + p.x * Interval(s.frame.X[c]) + p.y * Interval(s.frame.Y[c]) + p.z * Interval(s.frame.Z[c]);
     box.lo[c] = along.lo;
     box.hi[c] = along.hi;
   }
@@ -208,7 +216,8 @@ Vec2 periods(const AnySurface& surface) {
     Vec2 operator()(const Extrusion& s) const { return {profile_period(s.profile, s.u), 0}; }
     Vec2 operator()(const Revolution& s) const { return {kTwoPi, profile_period(s.profile, s.v)}; }
     Vec2 operator()(const NurbsSurface& s) const {
-      return {s.closed_u ? s.knots_u[s.count_u] - s.knots_u[s.degree_u] : 0.0, s.closed_v ? s.knots_v[s.count_v] - s.knots_v[s.degree_v] : 0.0};
+      return {s.closed_u ? s.knots_u[s.count_u] - s.knots_u[s.degree_u] : 0.0,
+              s.closed_v ? s.knots_v[s.count_v] - s.knots_v[s.degree_v] : 0.0};
     }
   };
   return std::visit(Visitor{}, surface);
@@ -320,8 +329,10 @@ Vec3 unit_normal(const AnySurface& surface, UV uv, const Box2& domain) {
   // The limit from inside: step from uv toward the middle of the domain. To first order the normal there is
   // Su x Sv + h (a (Suu x Sv + Su x Suv) + b (Suv x Sv + Su x Svv)); the step itself is evaluated where that vanishes too.
   const Vec2 inward{uv.x <= domain.middle().x ? size.x : -size.x, uv.y <= domain.middle().y ? size.y : -size.y};
-  const Vec3 first = inward.x * (glm::cross(j.Suu, j.Sv) + glm::cross(j.Su, j.Suv)) + inward.y * (glm::cross(j.Suv, j.Sv) + glm::cross(j.Su, j.Svv));
-  const double scale = (size.x * glm::length(j.Su) + size.x * size.y * glm::length(j.Suv)) * size.y * (glm::length(j.Sv) + size.x * glm::length(j.Suv));
+  const Vec3 first =
+      inward.x * (glm::cross(j.Suu, j.Sv) + glm::cross(j.Su, j.Suv)) + inward.y * (glm::cross(j.Suv, j.Sv) + glm::cross(j.Su, j.Svv));
+  const double scale =
+      (size.x * glm::length(j.Su) + size.x * size.y * glm::length(j.Suv)) * size.y * (glm::length(j.Sv) + size.x * glm::length(j.Suv));
   if (glm::length(first) * std::min(size.x, size.y) > 1e-7 * scale && glm::length(first) > 0) return glm::normalize(first);
   for (const double step : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
     const Jet2 k = jet2(surface, uv + step * inward);

@@ -1,4 +1,5 @@
-// The native surfaces of CAD faces, in the parametrisation of their file, each one plain data. `Frame` is orthonormal, right- or left-handed.
+// The native surfaces of CAD faces, in the parametrisation of their file, each one plain data. `Frame` is orthonormal, right- or
+// left-handed.
 //   plane       S = O + u X + v Y
 //   cylinder    S = O + r (cos u X + sin u Y) + v Z
 //   cone        S = O + (r + v sin a) (cos u X + sin u Y) + v cos a Z        (a: half angle, |a| < pi/2; r >= 0: radius at v = 0)
