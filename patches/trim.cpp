@@ -69,7 +69,7 @@ void TrimRegion::add_curve(const TrimCurve& curve, double tolerance, std::vector
 
 void TrimRegion::add_segment(const UV& from, const UV& to, double tolerance) {
   if (from == to) return;
-  TrimPiece piece{static_cast<std::uint32_t>(points_.size()), 1, tolerance, {}};
+  TrimPiece piece{static_cast<std::uint32_t>(points_.size()), 1, tolerance, {}, {}};
   piece.box.include(from);
   piece.box.include(to);
   points_.push_back(homogeneous(from, 1.0));
@@ -95,7 +95,7 @@ void TrimRegion::add_monotone(const std::vector<Vec3>& points, double tolerance)
       left = rest;
     }
     done = cuts[i];
-    TrimPiece piece{static_cast<std::uint32_t>(points_.size()), static_cast<std::int32_t>(left.size()) - 1, tolerance, {}};
+    TrimPiece piece{static_cast<std::uint32_t>(points_.size()), static_cast<std::int32_t>(left.size()) - 1, tolerance, {}, {}};
     piece.box.include(project(left.front()));
     piece.box.include(project(left.back()));
     points_.insert(points_.end(), left.begin(), left.end());
@@ -186,7 +186,7 @@ void TrimRegion::fill_cells(const AnySurface& surface) {
   const auto line_v = [&](int j) { return box_.lo.y + j * step_.y; };
   std::vector<Cut> cuts;
   for (std::uint32_t k = 0; k < pieces_.size(); ++k) {
-    const TrimPiece& piece = pieces_[k];
+    TrimPiece& piece = pieces_[k];
     const UV start = point_at(piece, 0), end = point_at(piece, 1);
     cuts.assign({{0.0, start, {true, true}}, {1.0, end, {true, true}}});
     // Where the piece crosses the grid lines strictly inside its box.
@@ -218,8 +218,9 @@ void TrimRegion::fill_cells(const AnySurface& surface) {
           {k, cuts[i].t, cuts[i + 1].t, cuts[i].p, cuts[i + 1].p});
     }
     const Vec2 reach = reach_in_parameters(surface, piece.box, piece.tolerance);
-    const int c0 = column(piece.box.lo.x - reach.x), c1 = column(piece.box.hi.x + reach.x);
-    const int r0 = row(piece.box.lo.y - reach.y), r1 = row(piece.box.hi.y + reach.y);
+    piece.near_box = {piece.box.lo - reach, piece.box.hi + reach};
+    const int c0 = column(piece.near_box.lo.x), c1 = column(piece.near_box.hi.x);
+    const int r0 = row(piece.near_box.lo.y), r1 = row(piece.near_box.hi.y);
     for (int r = r0; r <= r1; ++r)
       for (int c = c0; c <= c1; ++c) near[static_cast<std::size_t>(r) * columns_ + c].push_back(k);
   }
@@ -277,11 +278,10 @@ bool TrimRegion::crosses_left_of(const Clip& clip, UV uv) const {
   return 0.5 * (pa.x + pb.x) <= uv.x;
 }
 
-double TrimRegion::distance_in_world(UV uv, const TrimPiece& piece, const AnySurface& surface) const {
-  const Jet2 j = jet2(surface, uv);
+double TrimRegion::distance_in_world(UV uv, const TrimPiece& piece, const Jet2& metric) const {
   const auto distance = [&](double t) {
     const UV d = point_at(piece, t) - uv;
-    return glm::length(d.x * j.Su + d.y * j.Sv);
+    return glm::length(d.x * metric.Su + d.y * metric.Sv);
   };
   double best = 0, least = kInf, width = 0.125;
   for (int i = 0; i <= 8; ++i)
@@ -318,7 +318,7 @@ TrimRegion::Answer TrimRegion::contains_here(UV uv, const AnySurface& surface) c
   if (inside) return {true, false};
   for (std::uint32_t k = cell.near_begin; k < next.near_begin; ++k) {
     const TrimPiece& piece = pieces_[near_[k]];
-    if (piece.tolerance > 0 && distance_in_world(uv, piece, surface) <= piece.tolerance) return {true, true};
+    if (piece.near_box.contains(uv) && distance_in_world(uv, piece, jet2(surface, uv)) <= piece.tolerance) return {true, true};
   }
   return {false, false};
 }

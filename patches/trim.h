@@ -22,6 +22,7 @@ struct TrimPiece {
   std::int32_t degree = 1;
   double tolerance = 0;  // world units; points this near to the piece count as inside
   Box2 box;
+  Box2 near_box;  // holds all points within the tolerance
 };
 
 class TrimRegion {
@@ -70,7 +71,7 @@ class TrimRegion {
   void add_monotone(const std::vector<Vec3>& points, double tolerance);
   void make_grid(const AnySurface& surface);
   void fill_cells(const AnySurface& surface);
-  double distance_in_world(UV uv, const TrimPiece& piece, const AnySurface& surface) const;
+  double distance_in_world(UV uv, const TrimPiece& piece, const Jet2& metric) const;
   bool crosses_left_of(const Clip& clip, UV uv) const;
   Answer contains_here(UV uv, const AnySurface& surface) const;
   int column(double u) const;

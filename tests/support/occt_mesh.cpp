@@ -8,6 +8,7 @@
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <IGESControl_Reader.hxx>
+#include <IMeshData_Status.hxx>
 #include <IMeshTools_Parameters.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
@@ -21,6 +22,7 @@
 #include <TopoDS_Face.hxx>
 #include <cctype>
 #include <filesystem>
+#include <span>
 
 namespace iso::test {
 namespace {
