@@ -50,7 +50,8 @@ class TrimRegion {
   // The boxes of all cells that are not outside: a cover of the face in the parameter plane.
   std::vector<Box2> cover() const;
 
-  const Box2& box() const { return box_; }
+  // The periods of the face's surface (0: none).
+  const Vec2& period() const { return period_; }
   std::size_t piece_count() const { return pieces_.size(); }
   std::size_t bytes() const;
 

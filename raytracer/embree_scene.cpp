@@ -11,35 +11,15 @@
 #include <cstring>
 #include <map>
 
-#include "raytracer/analytic_solve.h"
-#include "raytracer/bezier_solve.h"
-#include "raytracer/leaf.h"
-#include "raytracer/local_ray.h"
+#include "raytracer/all_hits.h"
+#include "raytracer/lane.h"
 #include "raytracer/tracer.h"
 
 namespace iso {
 
-SolverStats& SolverStats::operator+=(const SolverStats& o) {
-  rays += o.rays;
-  leaf_visits += o.leaf_visits;
-  slab_rejects += o.slab_rejects;
-  solves += o.solves;
-  newton_steps += o.newton_steps;
-  analytic += o.analytic;
-  trim_queries += o.trim_queries;
-  fallbacks += o.fallbacks;
-  fallback_cells += o.fallback_cells;
-  fallback_out_of_budget += o.fallback_out_of_budget;
-  tangent += o.tangent;
-  by_tolerance += o.by_tolerance;
-  return *this;
-}
-
 namespace {
 
 constexpr unsigned kWidth = 16;
-
-enum class Query { nearest, occluded, all };
 
 struct PartScene {
   PartGeometry geometry;
@@ -52,46 +32,13 @@ struct PlacedPart {
   Box3 world_box;
 };
 
-// One ray on its way: in the world, and in the part that is being traced.
-struct Lane {
-  Vec3 o{0.0}, d{0.0};
-  double tmin = 0, tmax = kInf;
-  Hit best;
-  bool blocked = false;
-  std::vector<Hit>* all = nullptr;
-  LocalRay local;     // in the part's coordinates, started `shift` along the ray
-  double shift = 0;   // of the local ray, in t
-  double length = 1;  // |local.d|: float distances count in part units
-  double limit() const { return std::min(tmax, best.t); }
-};
-
 struct Context {
   RTCIntersectContext embree;
-  Query query = Query::nearest;
+  Search search;
   const PlacedPart* placed = nullptr;  // all of them
-  int current = 0;                     // the placed part being traced
-  Lane* lanes = nullptr;
-  SolverStats* stats = nullptr;
-  Vec3 centre{0.0};  // of the world, for the float rays of the top level
+  Vec3 centre{0.0};                    // of the world, for the float rays of the top level
   std::array<double, kWidth> top_shift{}, top_length{};
 };
-
-// The part of a ray inside a box, in t; false if none of it is in [tmin, tmax].
-bool clip(const Box3& box, const Vec3& o, const Vec3& d, double tmin, double tmax, double& enter, double& leave) {
-  enter = tmin;
-  leave = tmax;
-  for (int c = 0; c < 3; ++c) {
-    if (d[c] == 0) {
-      if (o[c] < box.lo[c] || o[c] > box.hi[c]) return false;
-      continue;
-    }
-    double a = (box.lo[c] - o[c]) / d[c], b = (box.hi[c] - o[c]) / d[c];
-    if (a > b) std::swap(a, b);
-    enter = std::max(enter, a);
-    leave = std::min(leave, b);
-  }
-  return enter <= leave;
-}
 
 float rounded_up(double x) {
   const float f = static_cast<float>(x);
@@ -110,125 +57,31 @@ void set_box(RTCBounds* out, const Box3& box) {
   out->upper_z = up(box.hi.z);
 }
 
-// ---- accepting hits ----------------------------------------------------------------------------------------------------
-
-// Equal distances are decided by the smaller index, so that the order of the traversal does not matter.
-bool comes_first(const Hit& a, const Hit& b) {
-  if (a.t != b.t) return a.t < b.t;
-  if (a.placed != b.placed) return a.placed < b.placed;
-  if (a.face != b.face) return a.face < b.face;
-  if (a.uv.x != b.uv.x) return a.uv.x < b.uv.x;
-  return a.uv.y < b.uv.y;
-}
-
-// Brings angles and other periodic parameters into the window of the face.
-UV into_domain(const Face& face, UV uv) {
-  const Vec2 period = periods(face.surface);
-  for (const int c : {0, 1})
-    if (period[c] > 0) {
-      uv[c] -= period[c] * std::floor((uv[c] - face.domain.lo[c]) / period[c]);
-      if (uv[c] > face.domain.hi[c] && uv[c] - period[c] >= face.domain.lo[c] - 1e-9 * period[c]) uv[c] = face.domain.lo[c];
-    }
-  return uv;
-}
-
-// Offers a root of one face to a lane. Returns true if the lane's state changed.
-bool offer(Context& context, Lane& lane, const PartGeometry& geometry, std::uint32_t face_index, UV uv, double local_t, HitStatus status,
-           unsigned steps, bool crossing) {
-  Hit hit;
-  hit.t = lane.shift + local_t;
-  if (!(hit.t >= lane.tmin && hit.t <= lane.tmax) || !finite(uv)) return false;
-  if (context.query == Query::nearest && hit.t > lane.best.t) return false;
-  hit.placed = context.current;
-  hit.face = static_cast<std::int32_t>(face_index);
-  hit.status = status;
-  hit.steps = static_cast<std::uint16_t>(std::min(steps, 65535u));
-  const Face& face = geometry.part->faces[face_index];
-  if (crossing) {
-    ++context.stats->trim_queries;
-    const TrimRegion::Answer answer = geometry.trims[face_index].contains(uv, face.surface);
-    if (!answer.inside) return false;
-    hit.by_tolerance = answer.by_tolerance;
-  }
-  hit.uv = into_domain(face, uv);
-  if (status == HitStatus::tangent) ++context.stats->tangent;
-  if (hit.by_tolerance) ++context.stats->by_tolerance;
-  switch (context.query) {
-    case Query::occluded:
-      lane.blocked = true;
-      return true;
-    case Query::all:
-      lane.all->push_back(hit);
-      return false;
-    case Query::nearest:
-      break;
-  }
-  if (!comes_first(hit, lane.best)) return false;
-  lane.best = hit;
-  return true;
-}
-
-// The faces without loops are bounded by their domain: the closed forms do not know it.
-bool in_domain(const Face& face, UV& uv) {
-  uv = into_domain(face, uv);
-  const Vec2 slack = 1e-12 * face.domain.size();
-  return uv.x >= face.domain.lo.x - slack.x && uv.x <= face.domain.hi.x + slack.x && uv.y >= face.domain.lo.y - slack.y &&
-         uv.y <= face.domain.hi.y + slack.y;
-}
-
-bool meet_analytic(Context& context, Lane& lane, const PartGeometry& geometry, std::uint32_t primitive) {
-  const std::uint32_t index = geometry.analytic[primitive].face;
-  const Face& face = geometry.part->faces[index];
-  ++context.stats->analytic;
-  AnalyticRoot roots[2];
-  const int n = analytic_roots(face.surface, lane.local, roots);
-  const bool untrimmed = geometry.trims[index].untrimmed();
-  bool changed = false;
-  for (int i = 0; i < n; ++i) {
-    if (untrimmed && !in_domain(face, roots[i].uv)) continue;
-    changed |= offer(context, lane, geometry, index, roots[i].uv, roots[i].t, roots[i].status, 0, !untrimmed);
-  }
-  return changed;
-}
-
-bool meet_leaf(Context& context, Lane& lane, const PartGeometry& geometry, std::uint32_t primitive) {
-  thread_local std::vector<Root> roots;
-  roots.clear();
-  const Leaf& leaf = geometry.leaves[primitive];
-  const LeafPatch& patch = geometry.patches[leaf.patch];
-  roots_in_leaf(patch, leaf, lane.local, *context.stats, roots);
-  bool changed = false;
-  for (const Root& root : roots)
-    changed |=
-        offer(context, lane, geometry, patch.face, patch.piece.to_native(root.st), root.t, root.status, root.steps, leaf.crossing != 0);
-  return changed;
-}
-
 // ---- callbacks ---------------------------------------------------------------------------------------------------------
 
 float far_limit(const Lane& lane) { return rounded_up((lane.limit() - lane.shift) * lane.length); }
 
-template <bool (*meet)(Context&, Lane&, const PartGeometry&, std::uint32_t)>
+template <bool (*meet)(Search&, Lane&, const PartGeometry&, std::uint32_t)>
 void intersect_part(const RTCIntersectFunctionNArguments* args) {
   auto& context = *reinterpret_cast<Context*>(args->context);
   const auto& geometry = static_cast<const PartScene*>(args->geometryUserPtr)->geometry;
   RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
   for (unsigned i = 0; i < args->N; ++i) {
     if (!args->valid[i]) continue;
-    Lane& lane = context.lanes[RTCRayN_id(rays, args->N, i)];
-    if (meet(context, lane, geometry, args->primID))
+    Lane& lane = context.search.lanes[RTCRayN_id(rays, args->N, i)];
+    if (meet(context.search, lane, geometry, args->primID))
       RTCRayN_tfar(rays, args->N, i) = std::min(RTCRayN_tfar(rays, args->N, i), far_limit(lane));
   }
 }
 
-template <bool (*meet)(Context&, Lane&, const PartGeometry&, std::uint32_t)>
+template <bool (*meet)(Search&, Lane&, const PartGeometry&, std::uint32_t)>
 void occlude_part(const RTCOccludedFunctionNArguments* args) {
   auto& context = *reinterpret_cast<Context*>(args->context);
   const auto& geometry = static_cast<const PartScene*>(args->geometryUserPtr)->geometry;
   for (unsigned i = 0; i < args->N; ++i) {
     if (!args->valid[i]) continue;
-    Lane& lane = context.lanes[RTCRayN_id(args->ray, args->N, i)];
-    if (!lane.blocked) meet(context, lane, geometry, args->primID);
+    Lane& lane = context.search.lanes[RTCRayN_id(args->ray, args->N, i)];
+    if (!lane.blocked) meet(context.search, lane, geometry, args->primID);
     if (lane.blocked) RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
   }
 }
@@ -277,7 +130,7 @@ void trace(RTCScene scene, Context& context, RTCRayHit16& rays, const int* valid
   for (unsigned i = 0; i < kWidth; ++i) live += valid[i] ? 1 : 0;
   if (live == 0) return;
   if (packet && live >= kPacketFrom) {
-    if (context.query == Query::occluded)
+    if (context.search.query == Query::occluded)
       rtcOccluded16(valid, scene, &context.embree, reinterpret_cast<RTCRay16*>(&rays.ray));
     else
       rtcIntersect16(valid, scene, &context.embree, &rays);
@@ -286,7 +139,7 @@ void trace(RTCScene scene, Context& context, RTCRayHit16& rays, const int* valid
   for (unsigned i = 0; i < kWidth; ++i) {
     if (!valid[i]) continue;
     RTCRayHit one = single(rays, i);
-    if (context.query == Query::occluded)
+    if (context.search.query == Query::occluded)
       rtcOccluded1(scene, &context.embree, &one.ray);
     else
       rtcIntersect1(scene, &context.embree, &one);
@@ -302,7 +155,7 @@ void trace_placed(Context& context, int placed_index, const int* wanted, bool pa
   for (unsigned i = 0; i < kWidth; ++i) {
     valid[i] = 0;
     if (!wanted[i]) continue;
-    Lane& lane = context.lanes[i];
+    Lane& lane = context.search.lanes[i];
     const Vec3 o = placed.to_part.point(lane.o), d = placed.to_part.vector(lane.d);
     double enter, leave;
     if (!clip(geometry.box, o, d, lane.tmin, lane.limit(), enter, leave)) continue;
@@ -313,10 +166,10 @@ void trace_placed(Context& context, int placed_index, const int* wanted, bool pa
     set_ray(rays, i, lane.local.o - (slack / lane.length) * d, d / lane.length, 0, (leave - enter) * lane.length + 2 * slack);
     valid[i] = -1;
   }
-  const int before = context.current;
-  context.current = placed_index;
+  const int before = context.search.current;
+  context.search.current = placed_index;
   trace(placed.part->scene, context, rays, valid, packet);
-  context.current = before;
+  context.search.current = before;
 }
 
 template <class Args>
@@ -324,16 +177,16 @@ void enter_placed(const Args* args, RTCRayN* rays) {
   auto& context = *reinterpret_cast<Context*>(args->context);
   alignas(64) int wanted[kWidth] = {};
   for (unsigned i = 0; i < args->N; ++i)
-    if (args->valid[i] && !context.lanes[RTCRayN_id(rays, args->N, i)].blocked) wanted[RTCRayN_id(rays, args->N, i)] = -1;
+    if (args->valid[i] && !context.search.lanes[RTCRayN_id(rays, args->N, i)].blocked) wanted[RTCRayN_id(rays, args->N, i)] = -1;
   trace_placed(context, static_cast<int>(args->primID), wanted, args->N > 1);
   for (unsigned i = 0; i < args->N; ++i) {
     if (!args->valid[i]) continue;
     const unsigned id = RTCRayN_id(rays, args->N, i);
-    const Lane& lane = context.lanes[id];
+    const Lane& lane = context.search.lanes[id];
     float& far = RTCRayN_tfar(rays, args->N, i);
-    if (context.query == Query::occluded) {
+    if (context.search.query == Query::occluded) {
       if (lane.blocked) far = -std::numeric_limits<float>::infinity();
-    } else if (context.query == Query::nearest) {
+    } else if (context.search.query == Query::nearest) {
       far = std::min(far, rounded_up((lane.limit() - context.top_shift[id]) * context.top_length[id]));
     }
   }
@@ -448,7 +301,7 @@ struct Tracer::Impl {
   // Up to 16 rays that are already in `lanes`.
   void trace_lanes(Context& context, unsigned count, bool packet) const {
     alignas(64) int valid[kWidth] = {};
-    context.stats->rays += count;
+    context.search.stats->rays += count;
     if (!top) {
       for (unsigned i = 0; i < count; ++i) valid[i] = -1;
       if (!placed.empty()) trace_placed(context, 0, valid, packet);
@@ -456,7 +309,7 @@ struct Tracer::Impl {
     }
     alignas(64) RTCRayHit16 rays;
     for (unsigned i = 0; i < count; ++i) {
-      const Lane& lane = context.lanes[i];
+      const Lane& lane = context.search.lanes[i];
       double enter, leave;
       if (!clip(box, lane.o, lane.d, lane.tmin, lane.tmax, enter, leave)) continue;
       const double length = glm::length(lane.d);
@@ -475,10 +328,10 @@ struct Tracer::Impl {
     Context context;
     rtcInitIntersectContext(&context.embree);
     if (packet) context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    context.query = query;
+    context.search.query = query;
     context.placed = placed.data();
-    context.lanes = lanes.data();
-    context.stats = &stats;
+    context.search.lanes = lanes.data();
+    context.search.stats = &stats;
     for (std::size_t first = 0; first < rays.size(); first += kWidth) {
       const unsigned count = static_cast<unsigned>(std::min<std::size_t>(kWidth, rays.size() - first));
       for (unsigned i = 0; i < count; ++i) {
@@ -523,42 +376,6 @@ void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked
       [&](std::size_t i, const Lane& lane) { blocked[i] = lane.blocked ? 1 : 0; });
 }
 
-// ---- all hits ----------------------------------------------------------------------------------------------------------
-
-namespace {
-
-// Sorted hits of one ray, without the doubles that overlapping leaves, seams and edge tolerances make: the same face met in the same point
-// in the same sense, or two faces at one loose edge.
-void remove_doubles(const Tracer& tracer, const Ray& ray, double size, std::vector<Hit>& hits) {
-  std::sort(hits.begin(), hits.end(), comes_first);
-  if (hits.size() < 2) return;
-  struct Seen {
-    Hit hit;
-    SurfacePoint at;
-    bool entering;
-  };
-  std::vector<Seen> kept;
-  const double length = glm::length(ray.d);
-  for (const Hit& hit : hits) {
-    const SurfacePoint at = tracer.surface_point(hit);
-    const bool entering = glm::dot(at.n, ray.d) < 0;
-    bool twice = false;
-    for (auto k = kept.rbegin(); k != kept.rend() && !twice; ++k) {
-      const double apart = (hit.t - k->hit.t) * length;
-      if (apart > 1e-3 * size) break;
-      if (k->hit.placed != hit.placed) continue;
-      const bool same_face = k->hit.face == hit.face && glm::length(k->at.p - at.p) <= 1e-9 * size;
-      const bool touching = hit.status == HitStatus::tangent || k->hit.status == HitStatus::tangent;
-      if (same_face && (k->entering == entering || touching)) twice = true;
-    }
-    if (!twice) kept.push_back({hit, at, entering});
-  }
-  hits.clear();
-  for (const Seen& k : kept) hits.push_back(k.hit);
-}
-
-}  // namespace
-
 void Tracer::all(std::span<const Ray> rays, std::vector<Hit>& hits, std::vector<std::size_t>& offsets, SolverStats& stats) const {
   hits.clear();
   offsets.assign(1, 0);
@@ -571,7 +388,7 @@ void Tracer::all(std::span<const Ray> rays, std::vector<Hit>& hits, std::vector<
         lane.all = &found[i % kWidth];
       },
       [&](std::size_t i, Lane& lane) {
-        remove_doubles(*this, rays[i], size, *lane.all);
+        sort_and_remove_doubles(*this, rays[i], size, *lane.all);
         hits.insert(hits.end(), lane.all->begin(), lane.all->end());
         offsets.push_back(hits.size());
       });

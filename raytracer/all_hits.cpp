@@ -1,0 +1,35 @@
+#include "raytracer/all_hits.h"
+
+#include "raytracer/lane.h"
+
+namespace iso {
+
+void sort_and_remove_doubles(const Tracer& tracer, const Ray& ray, double size, std::vector<Hit>& hits) {
+  std::sort(hits.begin(), hits.end(), comes_first);
+  if (hits.size() < 2) return;
+  struct Seen {
+    Hit hit;
+    SurfacePoint at;
+    bool entering;
+  };
+  std::vector<Seen> kept;
+  const double length = glm::length(ray.d);
+  for (const Hit& hit : hits) {
+    const SurfacePoint at = tracer.surface_point(hit);
+    const bool entering = glm::dot(at.n, ray.d) < 0;
+    bool twice = false;
+    for (auto k = kept.rbegin(); k != kept.rend() && !twice; ++k) {
+      const double apart = (hit.t - k->hit.t) * length;
+      if (apart > 1e-3 * size) break;
+      if (k->hit.placed != hit.placed) continue;
+      const bool same_face = k->hit.face == hit.face && glm::length(k->at.p - at.p) <= 1e-9 * size;
+      const bool touching = hit.status == HitStatus::tangent || k->hit.status == HitStatus::tangent;
+      if (same_face && (k->entering == entering || touching)) twice = true;
+    }
+    if (!twice) kept.push_back({hit, at, entering});
+  }
+  hits.clear();
+  for (const Seen& k : kept) hits.push_back(k.hit);
+}
+
+}  // namespace iso

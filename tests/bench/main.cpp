@@ -1,0 +1,90 @@
+// isophote_bench: ./isophote bench [NAME...] [--json] [--rounds N] [--rays N]
+//
+// Every measurement is called direct-versus-triangles/SCENE/RAYS; a NAME selects those that have it as one of these three words, several
+// NAMEs those that fit the NAMEs of each kind: `linkrods teapot bounce` are two scenes, bounces only.
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "tests/bench/report.h"
+
+namespace iso::bench {
+namespace {
+
+constexpr const char* kBenchmark = "direct-versus-triangles";
+const std::vector<std::string> kRaySets{"primary", "bounce"};
+
+int fail(const Error& error) {
+  std::cerr << "isophote bench: " << error.text() << '\n';
+  return static_cast<int>(error.kind);
+}
+
+bool contains(const std::vector<std::string>& list, const std::string& word) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+// Of the known words those that are among the names; all if none is.
+std::vector<std::string> chosen(const std::vector<std::string>& known, const std::vector<std::string>& names) {
+  std::vector<std::string> found;
+  for (const std::string& word : known)
+    if (contains(names, word)) found.push_back(word);
+  return found.empty() ? known : found;
+}
+
+int run(int argc, char** argv) {
+  const std::vector<BenchScene> scenes = bench_scenes();
+  std::vector<std::string> scene_names;
+  for (const BenchScene& scene : scenes) scene_names.push_back(scene.name);
+
+  CLI::App app("Measures Isophote: exact surfaces against Embree triangles of a fine tessellation.", "isophote bench");
+  MeasureOptions options;
+  std::vector<std::string> names;
+  bool json = false;
+  app.add_option(
+      "NAME", names,
+      fmt::format("what to measure: {}; scenes {}; rays {} [all]", kBenchmark, fmt::join(scene_names, " "), fmt::join(kRaySets, " ")));
+  app.add_flag("--json", json, "print one JSON document instead of the table");
+  app.add_option("--rounds", options.rounds, fmt::format("measured rounds after the warm-up [{}]", options.rounds))
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--rays", options.rays, fmt::format("primary rays [{}]", options.rays))->check(CLI::Range(16, 1 << 26));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error, std::cout, std::cerr) == 0 ? static_cast<int>(Exit::done) : static_cast<int>(Exit::bad_command_line);
+  }
+  for (const std::string& name : names)
+    if (name != kBenchmark && !contains(scene_names, name) && !contains(kRaySets, name))
+      return fail({Exit::bad_command_line,
+                   {},
+                   {},
+                   fmt::format("unknown name '{}'; expected {}, {} or {}", name, kBenchmark, fmt::join(scene_names, ", "),
+                               fmt::join(kRaySets, ", "))});
+
+  // One thread, builds included.
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  const auto rays = chosen(kRaySets, names);
+  std::vector<SceneResult> results;
+  for (const std::string& wanted : chosen(scene_names, names)) {
+    std::cerr << "measuring " << wanted << " ...\n";
+    const auto scene = std::find_if(scenes.begin(), scenes.end(), [&](const BenchScene& s) { return s.name == wanted; });
+    auto result = measure(*scene, options, [&](const std::string& set) { return contains(rays, set); });
+    if (!result) return fail(result.error());
+    results.push_back(std::move(*result));
+  }
+  const Origin origin = origin_of_run();
+  std::cout << (json ? as_json(results, options, origin).dump(2) + "\n" : as_table(results, options, origin)) << std::flush;
+  return static_cast<int>(std::cout ? Exit::done : Exit::read_write);
+}
+
+}  // namespace
+}  // namespace iso::bench
+
+int main(int argc, char** argv) {
+  try {
+    return iso::bench::run(argc, argv);
+  } catch (const std::exception& e) {
+    return iso::bench::fail(iso::bad_input({}, {}, std::string("unexpected trouble: ") + e.what()));
+  }
+}

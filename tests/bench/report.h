@@ -1,0 +1,19 @@
+// The measurements as a table for readers and as JSON for programs.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "tests/bench/direct_versus_triangles.h"
+
+namespace iso::bench {
+
+// Where and of what the figures are.
+struct Origin {
+  std::string machine, commit;
+};
+Origin origin_of_run();
+
+std::string as_table(const std::vector<SceneResult>& results, const MeasureOptions& options, const Origin& origin);
+nlohmann::ordered_json as_json(const std::vector<SceneResult>& results, const MeasureOptions& options, const Origin& origin);
+
+}  // namespace iso::bench
