@@ -1,6 +1,7 @@
 #include "patches/brep.h"
 
 #include <array>
+#include <cstdio>
 
 #include "patches/cells.h"
 #include "patches/trim.h"
@@ -140,6 +141,9 @@ void measure_free_edges(Part& part, const UsesOfEdges& uses) {
   }
 }
 
+// A gap is closed whole where two faces share the edge, even if the file claims a smaller tolerance, up to this share of the part's size.
+constexpr double kLargestLyingGap = 1e-4;
+
 void measure_gaps(Part& part) {
   const UsesOfEdges uses = uses_of_edges(part);
   for (std::size_t e = 0; e < uses.size(); ++e) {
@@ -148,6 +152,27 @@ void measure_gaps(Part& part) {
       edge.gap = std::max(edge.gap, 1.1 * gap_between(uses[e][0], uses[e][i], edge.file_tolerance));
   }
   measure_free_edges(part, uses);
+  for (std::size_t e = 0; e < uses.size(); ++e) {
+    Edge& edge = part.edges[e];
+    const double most = uses[e].size() > 1 ? std::max(edge.file_tolerance, kLargestLyingGap * part.box.diagonal()) : edge.file_tolerance;
+    edge.closing = edge.degenerate ? 0.0 : std::min(edge.gap, most);
+  }
+}
+
+// Edges whose faces part by more than the file promises.
+void report_loose_edges(Model& model) {
+  int count = 0;
+  double worst = 0;
+  for (const Part& part : model.parts)
+    for (const Edge& edge : part.edges)
+      if (!edge.degenerate && edge.gap > 1.2 * edge.file_tolerance + 1e-9 * part.box.diagonal()) {
+        ++count;
+        worst = std::max(worst, edge.gap);
+      }
+  if (count == 0) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "%d edges: their faces are farther apart than the file's tolerance, by up to %.3g", count, worst);
+  model.report(Problem::Kind::note, "edges", text);
 }
 
 }  // namespace
@@ -164,6 +189,7 @@ void finish(Model& model) {
       if (instance.part == static_cast<int>(k)) instance.to_model.translation = instance.to_model.point(origin);
     measure_gaps(part);
   }
+  report_loose_edges(model);
 }
 
 Box3 box_of(const Model& model) {

@@ -38,6 +38,8 @@ struct Edge {
   bool degenerate = false;    // a point in space (pole, apex)
   double file_tolerance = 0;  // as the file states
   double gap = 0;             // measured: largest distance between the curves that the uses trace on their surfaces; 0 for one use
+  double closing = 0;         // points this far beyond a trim curve still belong to the face, so that no crack is left: the measured gap,
+                              // at most the file's tolerance where the uses are not known to be one edge (see finish)
 };
 
 struct Part {

@@ -26,9 +26,7 @@ std::vector<double> slope_numerator(const std::vector<Vec3>& points, int coordin
 }
 
 double edge_tolerance(const TrimCurve& curve, const std::vector<Edge>& edges, double least) {
-  if (curve.edge < 0 || edges[static_cast<std::size_t>(curve.edge)].degenerate) return least;
-  const Edge& edge = edges[static_cast<std::size_t>(curve.edge)];
-  return std::max(least, std::min(edge.file_tolerance, edge.gap));
+  return curve.edge < 0 ? least : std::max(least, edges[static_cast<std::size_t>(curve.edge)].closing);
 }
 
 }  // namespace
@@ -134,8 +132,20 @@ void TrimRegion::make_grid(const AnySurface& surface) {
   step_ = {(box_.hi.x - box_.lo.x) / columns_, (box_.hi.y - box_.lo.y) / rows_};
 }
 
-int TrimRegion::column(double u) const { return std::clamp(static_cast<int>(std::floor((u - box_.lo.x) / step_.x)), 0, columns_ - 1); }
-int TrimRegion::row(double v) const { return std::clamp(static_cast<int>(std::floor((v - box_.lo.y) / step_.y)), 0, rows_ - 1); }
+// Exactly the cell with line(i) <= x < line(i + 1), by the same expressions that make the grid lines: the quotient alone may round across
+// one.
+int TrimRegion::column(double u) const {
+  int i = std::clamp(static_cast<int>(std::floor((u - box_.lo.x) / step_.x)), 0, columns_ - 1);
+  if (i + 1 < columns_ && u >= box_.lo.x + (i + 1) * step_.x) ++i;
+  if (i > 0 && u < box_.lo.x + i * step_.x) --i;
+  return i;
+}
+int TrimRegion::row(double v) const {
+  int i = std::clamp(static_cast<int>(std::floor((v - box_.lo.y) / step_.y)), 0, rows_ - 1);
+  if (i + 1 < rows_ && v >= box_.lo.y + (i + 1) * step_.y) ++i;
+  if (i > 0 && v < box_.lo.y + i * step_.y) --i;
+  return i;
+}
 
 namespace {
 

@@ -5,8 +5,8 @@
 // and then right to the query point, and counts the pieces it crosses (even-odd rule). Clipped ends are snapped to the grid lines and
 // shared by neighbours, and intervals are half open, so the count is consistent to the last bit wherever curves meet grid lines.
 //
-// A point outside but within the tolerance of an edge belongs to the face too: the tolerance closes the gap that is measured between the
-// two faces of that edge, never more than the file allows.
+// A point outside but within `Edge::closing` of an edge belongs to the face too: it closes the gap that is measured between the two faces
+// of that edge, and no more, so that loose files get neither cracks nor fins.
 #pragma once
 
 #include <cstdint>

@@ -167,7 +167,8 @@ Box3 bounds(const AnySurface& surface, const Box2& uv) {
         } else {
           Box3 box;
           for (const BezierPiece& piece : bezier_pieces(surface, uv)) box.include(hull_box(piece.patch));
-          return box.inflated(1e-14 * glm::length(box.size()));
+          // Against the rounding of evaluation, which counts in the size of the coordinates.
+          return box.inflated(1e-14 * glm::length(glm::max(glm::abs(box.lo), glm::abs(box.hi))));
         }
       },
       surface);

@@ -65,7 +65,10 @@ RayRow measure_rays(const std::string& scene, const RaySet& set, const Tracer& t
                     int rounds) {
   std::vector<Hit> hits(set.direct.size());
   std::vector<std::vector<TriangleHit>> triangle_hits(triangles.size(), std::vector<TriangleHit>(set.triangles.size()));
-  RayRow row{.scene = scene, .rays = set.name, .count = set.direct.size()};
+  RayRow row;
+  row.scene = scene;
+  row.rays = set.name;
+  row.count = set.direct.size();
 
   std::vector<Contestant> contestants;
   contestants.push_back({[&] {
