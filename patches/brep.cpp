@@ -27,14 +27,10 @@ bool closed_form(const AnySurface& s) {
 }
 
 // Box of what the trim loops leave of a face, from the cells that are not outside.
-Box3 trimmed_box(const Face& face, const std::vector<Edge>& edges) {
+Box3 box_of_face(const Face& face, const std::vector<Edge>& edges) {
   const TrimRegion trim(face, edges, 0.0);
+  if (closed_form(face.surface)) return trimmed_box(face, trim);
   Box3 box;
-  if (closed_form(face.surface)) {
-    if (trim.untrimmed()) return bounds(face.surface, face.domain);
-    for (const Box2& cell : trim.cover()) box.include(bounds(face.surface, cell));
-    return box;
-  }
   CellPolicy coarse;
   coarse.bend = 0.5;
   coarse.most_levels = 8;
@@ -78,11 +74,11 @@ double distance_to(const EdgeUse& use, const std::vector<Point3>& samples, const
   return least;
 }
 
-constexpr int kGapSamples = 16;
+constexpr int kGapSamples = 64;
 
-std::vector<Point3> sampled(const EdgeUse& use, int intervals) {
+std::vector<Point3> sampled(const EdgeUse& use) {
   std::vector<Point3> points;
-  for (int i = 0; i <= intervals; ++i) points.push_back(use.at(use.parameter(static_cast<double>(i) / intervals)));
+  for (int i = 0; i <= kGapSamples; ++i) points.push_back(use.at(use.parameter(static_cast<double>(i) / kGapSamples)));
   return points;
 }
 
@@ -95,8 +91,9 @@ double gap_between(const EdgeUse& a, const EdgeUse& b, double file_tolerance) {
   }
   if (same <= file_tolerance) return same;
   double gap = 0;
-  const std::vector<Point3> sb = sampled(b, 4 * kGapSamples);
-  for (const Point3& p : sampled(a, kGapSamples)) gap = std::max(gap, distance_to(b, sb, p));
+  const std::vector<Point3> sa = sampled(a), sb = sampled(b);
+  for (const Point3& p : sa) gap = std::max(gap, distance_to(b, sb, p));
+  for (const Point3& p : sb) gap = std::max(gap, distance_to(a, sa, p));
   return std::min(same, gap);
 }
 
@@ -122,7 +119,7 @@ void measure_free_edges(Part& part, const UsesOfEdges& uses) {
   std::vector<Free> free_edges;
   for (std::size_t e = 0; e < uses.size(); ++e) {
     if (uses[e].size() != 1 || part.edges[e].degenerate) continue;
-    Free f{e, sampled(uses[e][0], 4 * kGapSamples), {}};
+    Free f{e, sampled(uses[e][0]), {}};
     for (const Point3& p : f.samples) f.box.include(p);
     f.box = f.box.inflated(part.edges[e].file_tolerance + 1e-3 * f.box.diagonal());
     free_edges.push_back(std::move(f));
@@ -181,7 +178,7 @@ void finish(Model& model) {
   for (std::size_t k = 0; k < model.parts.size(); ++k) {
     Part& part = model.parts[k];
     Box3 rough;
-    for (const Face& face : part.faces) rough.include(trimmed_box(face, part.edges));
+    for (const Face& face : part.faces) rough.include(box_of_face(face, part.edges));
     const Vec3 origin = rough.empty() ? Vec3(0.0) : rough.middle();
     for (Face& face : part.faces) translate(face.surface, -origin);
     part.box = rough.empty() ? rough : Box3{rough.lo - origin, rough.hi - origin};

@@ -173,4 +173,16 @@ void divide(const BezierPiece& piece, int piece_index, const TrimRegion& trim, c
   }
 }
 
+Box3 trimmed_box(const Face& face, const TrimRegion& trim) {
+  Box3 box;
+  if (trim.untrimmed()) {
+    box = bounds(face.surface, face.domain);
+  } else if (std::holds_alternative<Plane>(face.surface)) {
+    for (const UV& uv : trim.hull()) box.include(point(face.surface, uv));
+  } else {
+    for (const Box2& cell : trim.cover()) box.include(bounds(face.surface, cell));
+  }
+  return box;
+}
+
 }  // namespace iso

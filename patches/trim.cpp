@@ -34,30 +34,32 @@ double edge_tolerance(const TrimCurve& curve, const std::vector<Edge>& edges, do
 TrimRegion::TrimRegion(const Face& face, const std::vector<Edge>& edges, double least_tolerance) {
   period_ = periods(face.surface);
   for (const TrimLoop& loop : face.loops) {
-    std::vector<UV> ends;  // start and end of every curve in turn
-    std::vector<double> tolerances;
+    std::vector<UV> ends;          // start and end of every curve in turn
+    std::vector<TrimPiece> kinds;  // edge and tolerance of every curve
     for (const TrimCurve& curve : loop.curves) {
-      const double tolerance = edge_tolerance(curve, edges, least_tolerance);
+      TrimPiece like;
+      like.edge = curve.edge;
+      like.tolerance = edge_tolerance(curve, edges, least_tolerance);
       const std::size_t before = ends.size();
-      add_curve(curve, tolerance, ends);
-      if (ends.size() > before) tolerances.push_back(tolerance);
+      add_curve(curve, like, ends);
+      if (ends.size() > before) kinds.push_back(like);
     }
     // Joints that do not meet bit for bit are closed by a straight piece, so that the even-odd count is that of closed curves.
-    for (std::size_t i = 0; i + 1 < ends.size(); i += 2) add_segment(ends[i + 1], ends[(i + 2) % ends.size()], tolerances[i / 2]);
+    for (std::size_t i = 0; i + 1 < ends.size(); i += 2) add_segment(ends[i + 1], ends[(i + 2) % ends.size()], kinds[i / 2]);
   }
   if (pieces_.empty()) return;
   make_grid(face.surface);
-  fill_cells(face.surface);
+  fill_cells();
 }
 
-void TrimRegion::add_curve(const TrimCurve& curve, double tolerance, std::vector<UV>& ends) {
+void TrimRegion::add_curve(const TrimCurve& curve, const TrimPiece& like, std::vector<UV>& ends) {
   const bool backward = curve.t0 > curve.t1;
   const auto spans = bezier_spans(curve.curve, std::min(curve.t0, curve.t1), std::max(curve.t0, curve.t1));
   if (spans.empty()) return;
   UV last = project(spans.front().points.front());
   for (const auto& span : spans) {
-    add_segment(last, project(span.points.front()), tolerance);
-    add_monotone(span.points, tolerance);
+    add_segment(last, project(span.points.front()), like);
+    add_monotone(span.points, like);
     last = project(span.points.back());
   }
   const UV first = project(spans.front().points.front());
@@ -65,9 +67,11 @@ void TrimRegion::add_curve(const TrimCurve& curve, double tolerance, std::vector
   ends.push_back(backward ? first : last);
 }
 
-void TrimRegion::add_segment(const UV& from, const UV& to, double tolerance) {
+void TrimRegion::add_segment(const UV& from, const UV& to, const TrimPiece& like) {
   if (from == to) return;
-  TrimPiece piece{static_cast<std::uint32_t>(points_.size()), 1, tolerance, {}, {}};
+  TrimPiece piece = like;
+  piece.first = static_cast<std::uint32_t>(points_.size());
+  piece.degree = 1;
   piece.box.include(from);
   piece.box.include(to);
   points_.push_back(homogeneous(from, 1.0));
@@ -75,7 +79,7 @@ void TrimRegion::add_segment(const UV& from, const UV& to, double tolerance) {
   pieces_.push_back(piece);
 }
 
-void TrimRegion::add_monotone(const std::vector<Vec3>& points, double tolerance) {
+void TrimRegion::add_monotone(const std::vector<Vec3>& points, const TrimPiece& like) {
   std::vector<double> cuts{0.0, 1.0};
   if (points.size() > 2)
     for (const int c : {0, 1})
@@ -93,7 +97,9 @@ void TrimRegion::add_monotone(const std::vector<Vec3>& points, double tolerance)
       left = rest;
     }
     done = cuts[i];
-    TrimPiece piece{static_cast<std::uint32_t>(points_.size()), static_cast<std::int32_t>(left.size()) - 1, tolerance, {}, {}};
+    TrimPiece piece = like;
+    piece.first = static_cast<std::uint32_t>(points_.size());
+    piece.degree = static_cast<std::int32_t>(left.size()) - 1;
     piece.box.include(project(left.front()));
     piece.box.include(project(left.back()));
     points_.insert(points_.end(), left.begin(), left.end());
@@ -116,13 +122,39 @@ Vec2 TrimRegion::point_at(const TrimPiece& piece, double t) const {
 
 // ---- building the grid -------------------------------------------------------------------------------------------------
 
+namespace {
+
+// Largest step in (u, v) that stays within `tolerance` of the world near a piece; a vanishing derivative is held at a share of the other
+// samples'.
+Vec2 reach_in_parameters(const AnySurface& surface, const Box2& box, double tolerance) {
+  Vec2 least{kInf}, most{0.0};
+  for (int i = 0; i <= 2; ++i) {
+    const Jet2 j = jet2(surface, box.lo + 0.5 * i * box.size());
+    const Vec2 speed{glm::length(j.Su), glm::length(j.Sv)};
+    least = glm::min(least, speed);
+    most = glm::max(most, speed);
+  }
+  const Vec2 speed = glm::max(least, glm::max(1e-2 * most, Vec2(1e-300)));
+  return 2.0 * tolerance / speed;
+}
+
+// How much more than its tolerance an edge lets in for a ray that grazes the surface.
+constexpr double kMostStretch = 8;
+
+}  // namespace
+
 void TrimRegion::make_grid(const AnySurface& surface) {
-  for (const TrimPiece& piece : pieces_) loops_box_.include(piece.box);
+  for (TrimPiece& piece : pieces_) {
+    const Vec2 reach = kMostStretch * reach_in_parameters(surface, piece.box, piece.tolerance);
+    piece.near_box = {piece.box.lo - reach, piece.box.hi + reach};
+    loops_box_.include(piece.box);
+    reach_box_.include(piece.near_box);
+  }
   Vec2 size = loops_box_.size();
   for (int c = 0; c < 2; ++c)
     if (!(size[c] > 0)) size[c] = 1e-9 + 1e-9 * std::abs(loops_box_.lo[c]);
   // A margin that no round parameter value falls on.
-  box_ = {loops_box_.lo - 0.003171 * size, loops_box_.hi + 0.004137 * size};
+  box_ = {reach_box_.lo - 0.003171 * size, reach_box_.hi + 0.004137 * size};
   const Jet2 j = jet2(surface, loops_box_.middle());
   const double lu = std::max(1e-30, glm::length(j.Su) * size.x), lv = std::max(1e-30, glm::length(j.Sv) * size.y);
   const double cells = std::clamp(12.0 * static_cast<double>(pieces_.size()), 64.0, 65536.0);
@@ -149,20 +181,6 @@ int TrimRegion::row(double v) const {
 
 namespace {
 
-// Largest step in (u, v) that stays within `tolerance` of the world near a piece; a vanishing derivative is held at a share of the other
-// samples'.
-Vec2 reach_in_parameters(const AnySurface& surface, const Box2& box, double tolerance) {
-  Vec2 least{kInf}, most{0.0};
-  for (int i = 0; i <= 2; ++i) {
-    const Jet2 j = jet2(surface, box.lo + 0.5 * i * box.size());
-    const Vec2 speed{glm::length(j.Su), glm::length(j.Sv)};
-    least = glm::min(least, speed);
-    most = glm::max(most, speed);
-  }
-  const Vec2 speed = glm::max(least, glm::max(1e-2 * most, Vec2(1e-300)));
-  return 2.0 * tolerance / speed;
-}
-
 // A point where a piece is cut by a grid line; `fixed` coordinates lie on a line (or are an end) and are shared with a neighbour bit for
 // bit.
 struct Cut {
@@ -188,7 +206,7 @@ void make_monotone(std::vector<Cut>& cuts, const Vec2& direction) {
 
 }  // namespace
 
-void TrimRegion::fill_cells(const AnySurface& surface) {
+void TrimRegion::fill_cells() {
   const std::size_t count = static_cast<std::size_t>(columns_) * rows_;
   std::vector<std::vector<Clip>> clips(count);
   std::vector<std::vector<std::uint32_t>> near(count);
@@ -219,7 +237,11 @@ void TrimRegion::fill_cells(const AnySurface& surface) {
         cuts.push_back({0.5 * (a + b), p, {c == 0, c == 1}});
       }
     }
-    std::sort(cuts.begin(), cuts.end(), [](const Cut& x, const Cut& y) { return x.t < y.t; });
+    // In order along the piece; its ends stay first and last whatever the others' rounded t, and equal t go by the coordinates.
+    std::swap(cuts[1], cuts.back());
+    const Vec2 forward{end.x >= start.x ? 1 : -1, end.y >= start.y ? 1 : -1};
+    std::sort(cuts.begin() + 1, cuts.end() - 1,
+              [&](const Cut& x, const Cut& y) { return x.t != y.t ? x.t < y.t : glm::dot(forward, x.p) < glm::dot(forward, y.p); });
     make_monotone(cuts, end - start);
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
       if (cuts[i].p == cuts[i + 1].p) continue;
@@ -227,12 +249,15 @@ void TrimRegion::fill_cells(const AnySurface& surface) {
       clips[static_cast<std::size_t>(row(middle.y)) * columns_ + column(middle.x)].push_back(
           {k, cuts[i].t, cuts[i + 1].t, cuts[i].p, cuts[i + 1].p});
     }
-    const Vec2 reach = reach_in_parameters(surface, piece.box, piece.tolerance);
-    piece.near_box = {piece.box.lo - reach, piece.box.hi + reach};
-    const int c0 = column(piece.near_box.lo.x), c1 = column(piece.near_box.hi.x);
-    const int r0 = row(piece.near_box.lo.y), r1 = row(piece.near_box.hi.y);
-    for (int r = r0; r <= r1; ++r)
-      for (int c = c0; c <= c1; ++c) near[static_cast<std::size_t>(r) * columns_ + c].push_back(k);
+    // The cells that its tolerance may let points in: around each part between cuts, whose box is that of its ends.
+    const Vec2 reach = piece.near_box.hi - piece.box.hi;
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+      const Vec2 lo = glm::min(cuts[i].p, cuts[i + 1].p) - reach, hi = glm::max(cuts[i].p, cuts[i + 1].p) + reach;
+      const int c0 = column(lo.x), c1 = column(hi.x), r0 = row(lo.y), r1 = row(hi.y);
+      for (int r = r0; r <= r1; ++r)
+        for (int c = c0; c <= c1; ++c)
+          if (auto& list = near[static_cast<std::size_t>(r) * columns_ + c]; list.empty() || list.back() != k) list.push_back(k);
+    }
   }
   cells_.resize(count + 1);
   for (int r = 0; r < rows_; ++r) {
@@ -311,7 +336,18 @@ double TrimRegion::distance_in_world(UV uv, const TrimPiece& piece, const Jet2& 
   return least;
 }
 
-TrimRegion::Answer TrimRegion::contains_here(UV uv, const AnySurface& surface) const {
+namespace {
+
+// 1 / |cosine| between the ray and the normal, within [1, kMostStretch].
+double stretch_for(const Jet2& metric, const Vec3& direction) {
+  const Vec3 normal = glm::cross(metric.Su, metric.Sv);
+  const double along = std::abs(glm::dot(normal, direction)), most = glm::length(normal) * glm::length(direction);
+  return most > kMostStretch * along ? (most > 0 ? kMostStretch : 1.0) : (most > 0 ? most / along : 1.0);
+}
+
+}  // namespace
+
+TrimRegion::Answer TrimRegion::contains_here(UV uv, const AnySurface& surface, const Vec3& direction) const {
   if (!box_.contains(uv)) return {false, false};
   const int c = column(uv.x), r = row(uv.y);
   const std::size_t index = static_cast<std::size_t>(r) * columns_ + c;
@@ -328,28 +364,41 @@ TrimRegion::Answer TrimRegion::contains_here(UV uv, const AnySurface& surface) c
   if (inside) return {true, false};
   for (std::uint32_t k = cell.near_begin; k < next.near_begin; ++k) {
     const TrimPiece& piece = pieces_[near_[k]];
-    if (piece.near_box.contains(uv) && distance_in_world(uv, piece, jet2(surface, uv)) <= piece.tolerance) return {true, true};
+    if (!piece.near_box.contains(uv)) continue;
+    const Jet2 metric = jet2(surface, uv);
+    if (distance_in_world(uv, piece, metric) <= stretch_for(metric, direction) * piece.tolerance) return {true, true};
   }
   return {false, false};
 }
 
-TrimRegion::Answer TrimRegion::contains(UV uv, const AnySurface& surface) const {
+double TrimRegion::distance_to_edge(UV uv, int edge, const AnySurface& surface) const {
+  const Jet2 metric = jet2(surface, uv);
+  double least = kInf;
+  for (const TrimPiece& piece : pieces_)
+    if (piece.edge == edge)
+      for (const double du : {-period_.x, 0.0, period_.x})
+        for (const double dv : {-period_.y, 0.0, period_.y})
+          least = std::min(least, distance_in_world({uv.x + du, uv.y + dv}, piece, metric));
+  return least;
+}
+
+TrimRegion::Answer TrimRegion::contains(UV uv, const AnySurface& surface, const Vec3& direction) const {
   if (untrimmed()) return {};
   // Bring uv into the window of the loops; where they are wider than a period, or at its very edge, the neighbouring copy counts too.
   for (const int c : {0, 1})
     if (period_[c] > 0) uv[c] -= period_[c] * std::floor((uv[c] - loops_box_.lo[c]) / period_[c]);
-  Answer best = contains_here(uv, surface);
+  Answer best = contains_here(uv, surface, direction);
   const auto try_at = [&](double du, double dv) {
     if (best.inside && !best.by_tolerance) return;
-    const Answer answer = contains_here({uv.x + du, uv.y + dv}, surface);
+    const Answer answer = contains_here({uv.x + du, uv.y + dv}, surface, direction);
     if (answer.inside && (!best.inside || !answer.by_tolerance)) best = answer;
   };
   const auto shifts = [&](int c, double out[2]) {
     int n = 0;
     if (!(period_[c] > 0)) return n;
-    const double edge = 1e-9 * period_[c];
-    if (uv[c] + period_[c] <= loops_box_.hi[c] + edge) out[n++] = period_[c];
-    if (uv[c] - period_[c] >= loops_box_.lo[c] - edge) out[n++] = -period_[c];
+    const double rounding = 1e-9 * period_[c];
+    if (uv[c] + period_[c] <= reach_box_.hi[c] + rounding) out[n++] = period_[c];
+    if (uv[c] - period_[c] >= reach_box_.lo[c] - rounding) out[n++] = -period_[c];
     return n;
   };
   double us[2], vs[2];
@@ -386,9 +435,28 @@ std::vector<Box2> TrimRegion::cover() const {
     for (int c = 0; c < columns_; ++c) {
       if (cells_[static_cast<std::size_t>(r) * columns_ + c].kind == Kind::outside) continue;
       const Vec2 lo = box_.lo + Vec2(c, r) * step_;
-      boxes.push_back({lo, lo + step_});
+      const Box2 cell{glm::max(lo, loops_box_.lo), glm::min(lo + step_, loops_box_.hi)};
+      if (!cell.empty()) boxes.push_back(cell);
     }
   return boxes;
+}
+
+std::vector<UV> TrimRegion::hull() const {
+  std::vector<UV> out;
+  constexpr int kParts = 16;  // the hull of a curve's parts is tighter than its own, by the square
+  for (const TrimPiece& piece : pieces_) {
+    const std::vector<Vec3> points(points_.begin() + piece.first, points_.begin() + piece.first + piece.degree + 1);
+    const int parts = piece.degree == 1 ? 1 : kParts;
+    for (int i = 0; i < parts; ++i)
+      for (const Vec3& h : bernstein_part(points, static_cast<double>(i) / parts, (i + 1.0) / parts)) out.push_back(project(h));
+  }
+  return out;
+}
+
+double TrimRegion::largest_reach() const {
+  double most = 0;
+  for (const TrimPiece& piece : pieces_) most = std::max(most, kMostStretch * piece.tolerance);
+  return most;
 }
 
 std::size_t TrimRegion::bytes() const {

@@ -20,9 +20,10 @@ namespace iso {
 struct TrimPiece {
   std::uint32_t first = 0;
   std::int32_t degree = 1;
+  std::int32_t edge = -1;
   double tolerance = 0;  // world units; points this near to the piece count as inside
   Box2 box;
-  Box2 near_box;  // holds all points within the tolerance
+  Box2 near_box;  // holds all points that the tolerance can let in
 };
 
 class TrimRegion {
@@ -40,15 +41,26 @@ class TrimRegion {
   // What is known of all points of a box; `crossing` when in doubt.
   Kind classify(const Box2& uv) const;
 
-  // uv may be off by whole periods of the surface. `surface` gives the metric for the tolerance.
+  // uv may be off by whole periods of the surface, which gives the metric for the tolerance. `direction`: of the ray that asks, zero if
+  // none. A ray that grazes the surface could slip between two sheets that lie a gap apart, so for it the tolerance grows by the inverse of
+  // the cosine, up to eight times.
   struct Answer {
     bool inside = true;
     bool by_tolerance = false;
   };
-  Answer contains(UV uv, const AnySurface& surface) const;
+  Answer contains(UV uv, const AnySurface& surface, const Vec3& direction = Vec3(0.0)) const;
+
+  // World distance of S(uv) from the nearest piece that belongs to an edge of Part::edges; infinite if the face has no such piece.
+  double distance_to_edge(UV uv, int edge, const AnySurface& surface) const;
 
   // The boxes of all cells that are not outside: a cover of the face in the parameter plane.
   std::vector<Box2> cover() const;
+
+  // Points of the parameter plane whose hull holds the face (the control points of its loops).
+  std::vector<UV> hull() const;
+
+  // The largest tolerance of a piece, stretched as far as it may be: the face ends at most this far beyond its loops.
+  double largest_reach() const;
 
   // The periods of the face's surface (0: none).
   const Vec2& period() const { return period_; }
@@ -67,14 +79,14 @@ class TrimRegion {
     bool corner_inside = false;  // just left of and just above the lower left corner
   };
 
-  void add_curve(const TrimCurve& curve, double tolerance, std::vector<UV>& ends);
-  void add_segment(const UV& from, const UV& to, double tolerance);
-  void add_monotone(const std::vector<Vec3>& points, double tolerance);
+  void add_curve(const TrimCurve& curve, const TrimPiece& like, std::vector<UV>& ends);
+  void add_segment(const UV& from, const UV& to, const TrimPiece& like);
+  void add_monotone(const std::vector<Vec3>& points, const TrimPiece& like);
   void make_grid(const AnySurface& surface);
-  void fill_cells(const AnySurface& surface);
+  void fill_cells();
   double distance_in_world(UV uv, const TrimPiece& piece, const Jet2& metric) const;
   bool crosses_left_of(const Clip& clip, UV uv) const;
-  Answer contains_here(UV uv, const AnySurface& surface) const;
+  Answer contains_here(UV uv, const AnySurface& surface, const Vec3& direction) const;
   int column(double u) const;
   int row(double v) const;
   Vec2 point_at(const TrimPiece& piece, double t) const;
@@ -86,6 +98,7 @@ class TrimRegion {
   std::vector<Cell> cells_;  // row-major, one extra at the end for the list ends
   Box2 box_;                 // of the grid
   Box2 loops_box_;
+  Box2 reach_box_;  // of the loops and their tolerances
   Vec2 step_{0.0}, period_{0.0};
   int columns_ = 0, rows_ = 0;
 };

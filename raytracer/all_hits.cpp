@@ -26,6 +26,8 @@ void sort_and_remove_doubles(const Tracer& tracer, const Ray& ray, double size, 
       const bool touching = hit.status == HitStatus::tangent || k->hit.status == HitStatus::tangent;
       if (same_face && (k->entering == entering || touching)) twice = true;
     }
+    // Two sheets that overlap at a loose edge count as one where a ray passes both in the same sense.
+    if (!twice && !kept.empty() && kept.back().entering == entering && tracer.meet_at_loose_edge(kept.back().hit, hit)) twice = true;
     if (!twice) kept.push_back({hit, at, entering});
   }
   hits.clear();

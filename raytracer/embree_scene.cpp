@@ -9,6 +9,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstring>
+#include <iterator>
 #include <map>
 
 #include "raytracer/all_hits.h"
@@ -417,6 +418,41 @@ SurfacePoint Tracer::surface_point(const Hit& hit) const {
       std::max({glm::length(placed.to_world.linear[0]), glm::length(placed.to_world.linear[1]), glm::length(placed.to_world.linear[2])});
   out.error_bound = kEps * (64 * stretch * part_size + 16 * (std::abs(out.p.x) + std::abs(out.p.y) + std::abs(out.p.z)));
   return out;
+}
+
+namespace {
+
+std::vector<int> edges_of(const Face& face) {
+  std::vector<int> edges;
+  for (const TrimLoop& loop : face.loops)
+    for (const TrimCurve& curve : loop.curves)
+      if (curve.edge >= 0) edges.push_back(curve.edge);
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+// Hits this many gaps away from an edge, along the surface, belong to it: rays at an angle and gaps between samples included.
+constexpr double kGapsFromEdge = 4;
+
+}  // namespace
+
+bool Tracer::meet_at_loose_edge(const Hit& a, const Hit& b) const {
+  if (a.placed != b.placed || a.face == b.face) return false;
+  const PartGeometry& geometry = impl_->placed[static_cast<std::size_t>(a.placed)].part->geometry;
+  const Face &fa = face(a), &fb = face(b);
+  const Point3 pa = point(fa.surface, a.uv), pb = point(fb.surface, b.uv);
+  if (glm::length(pa - pb) > 16 * geometry.largest_gap) return false;
+  const std::vector<int> ea = edges_of(fa), eb = edges_of(fb);
+  std::vector<int> shared;
+  std::set_intersection(ea.begin(), ea.end(), eb.begin(), eb.end(), std::back_inserter(shared));
+  for (const int e : shared) {
+    const double reach = kGapsFromEdge * geometry.part->edges[static_cast<std::size_t>(e)].closing;
+    if (reach > 0 && glm::length(pa - pb) <= 4 * reach &&
+        geometry.trims[static_cast<std::size_t>(a.face)].distance_to_edge(a.uv, e, fa.surface) <= reach &&
+        geometry.trims[static_cast<std::size_t>(b.face)].distance_to_edge(b.uv, e, fb.surface) <= reach)
+      return true;
+  }
+  return false;
 }
 
 Vec3 offset_origin(const SurfacePoint& at, const Vec3& direction) {

@@ -71,7 +71,7 @@ bool offer(Search& search, Lane& lane, const PartGeometry& geometry, std::uint32
   const Face& face = geometry.part->faces[face_index];
   if (crossing) {
     ++search.stats->trim_queries;
-    const TrimRegion::Answer answer = geometry.trims[face_index].contains(uv, face.surface);
+    const TrimRegion::Answer answer = geometry.trims[face_index].contains(uv, face.surface, lane.local.d);
     if (!answer.inside) return false;
     hit.by_tolerance = answer.by_tolerance;
   }

@@ -40,9 +40,7 @@ bool closed_form(const AnySurface& s) {
 }
 
 void add_analytic(PartGeometry& geometry, std::uint32_t index, const Face& face, const TrimRegion& trim) {
-  Box3 box;
-  if (trim.untrimmed()) box = bounds(face.surface, face.domain);
-  for (const Box2& cell : trim.cover()) box.include(bounds(face.surface, cell));
+  const Box3 box = trimmed_box(face, trim).inflated(trim.largest_reach());
   if (!box.empty()) geometry.analytic.push_back({index, box});
 }
 
@@ -69,6 +67,7 @@ PartGeometry make_geometry(const Part& part) {
   PartGeometry geometry;
   geometry.part = &part;
   const double size = part.box.diagonal();
+  for (const Edge& edge : part.edges) geometry.largest_gap = std::max(geometry.largest_gap, edge.closing);
   for (std::uint32_t i = 0; i < part.faces.size(); ++i) {
     const Face& face = part.faces[i];
     geometry.trims.emplace_back(face, part.edges, kTrimRounding * size);

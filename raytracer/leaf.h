@@ -44,7 +44,8 @@ struct PartGeometry {
   std::vector<Box3> leaf_boxes;  // outward; only while the acceleration structure is built
   std::vector<AnalyticFace> analytic;
   Box3 box;
-  double size = 0;  // diagonal of the box
+  double size = 0;         // diagonal of the box
+  double largest_gap = 0;  // largest Edge::closing
 
   std::size_t bytes() const;
 };

@@ -79,6 +79,9 @@ class Tracer {
   SurfacePoint surface_point(const Hit& hit) const;
   const Face& face(const Hit& hit) const;
 
+  // Whether two hits lie on faces that share an edge with a gap, both so near to it that they may be one crossing met twice.
+  bool meet_at_loose_edge(const Hit& a, const Hit& b) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

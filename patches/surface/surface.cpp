@@ -34,24 +34,37 @@ template <class T>
 Triple<T> local_point(const Plane&, const T& u, const T& v) {
   return {u, v, T(0.0)};
 }
+// The surfaces of revolution among them: radius and height over v.
 template <class T>
-Triple<T> local_point(const Cylinder& s, const T& u, const T& v) {
-  return {T(s.r) * cos(u), T(s.r) * sin(u), v};
+struct Profile {
+  T radius, height;
+};
+template <class T>
+Profile<T> profile(const Cylinder& s, const T& v) {
+  return {T(s.r), v};
 }
 template <class T>
-Triple<T> local_point(const Cone& s, const T& u, const T& v) {
-  const T radius = T(s.r) + v * T(std::sin(s.half_angle));
-  return {radius * cos(u), radius * sin(u), v * T(std::cos(s.half_angle))};
+Profile<T> profile(const Cone& s, const T& v) {
+  return {T(s.r) + v * T(std::sin(s.half_angle)), v * T(std::cos(s.half_angle))};
 }
 template <class T>
-Triple<T> local_point(const Sphere& s, const T& u, const T& v) {
-  const T radius = T(s.r) * cos(v);
-  return {radius * cos(u), radius * sin(u), T(s.r) * sin(v)};
+Profile<T> profile(const Sphere& s, const T& v) {
+  return {T(s.r) * cos(v), T(s.r) * sin(v)};
 }
 template <class T>
-Triple<T> local_point(const Torus& s, const T& u, const T& v) {
-  const T radius = T(s.R) + T(s.r) * cos(v);
-  return {radius * cos(u), radius * sin(u), T(s.r) * sin(v)};
+Profile<T> profile(const Torus& s, const T& v) {
+  return {T(s.R) + T(s.r) * cos(v), T(s.r) * sin(v)};
+}
+
+template <class S>
+concept Turned = requires(const S& s) {
+  profile(s, 0.0);
+};
+
+template <Turned S, class T>
+Triple<T> local_point(const S& s, const T& u, const T& v) {
+  const Profile<T> p = profile(s, v);
+  return {p.radius * cos(u), p.radius * sin(u), p.height};
 }
 
 template <class S>
@@ -77,13 +90,26 @@ Vec3 point_of(const S& s, UV uv) {
   return s.frame.O + (p.x * s.frame.X + p.y * s.frame.Y + p.z * s.frame.Z);
 }
 
-template <Framed S>
-Box3 bounds_of(const S& s, const Box2& uv) {
-  const auto p = local_point(s, Interval(uv.lo.x, uv.hi.x), Interval(uv.lo.y, uv.hi.y));
+Box3 bounds_of(const Plane& s, const Box2& uv) {
   Box3 box;
   for (int c = 0; c < 3; ++c) {
     const Interval along =
-        Interval(s.frame.O[c]) + p.x * Interval(s.frame.X[c]) + p.y * Interval(s.frame.Y[c]) + p.z * Interval(s.frame.Z[c]);
+        Interval(s.frame.O[c]) + Interval(uv.lo.x, uv.hi.x) * Interval(s.frame.X[c]) + Interval(uv.lo.y, uv.hi.y) * Interval(s.frame.Y[c]);
+    box.lo[c] = along.lo;
+    box.hi[c] = along.hi;
+  }
+  return box;
+}
+
+// cos u X + sin u Y has the c-th component A cos(u - phase): bounded without loss in u.
+template <Turned S>
+Box3 bounds_of(const S& s, const Box2& uv) {
+  const Profile<Interval> p = profile(s, Interval(uv.lo.y, uv.hi.y));
+  Box3 box;
+  for (int c = 0; c < 3; ++c) {
+    const double amplitude = std::hypot(s.frame.X[c], s.frame.Y[c]), phase = std::atan2(s.frame.Y[c], s.frame.X[c]);
+    const Interval turn = Interval(amplitude) * cos(Interval(uv.lo.x - phase, uv.hi.x - phase));
+    const Interval along = Interval(s.frame.O[c]) + p.radius * turn + p.height * Interval(s.frame.Z[c]);
     box.lo[c] = along.lo;
     box.hi[c] = along.hi;
   }

@@ -116,13 +116,11 @@ TEST(Cells, AgreeWithTheTrimLoops) {
     face.surface = s;
     face.domain = natural_domain(s);
     const double r = 0.4 * std::min(face.domain.size().x, face.domain.size().y);
-    CellPolicy policy;
-    policy.bend = 0.05;  // finer than usual, for cells that lie wholly inside
     face.loops = {circle_loop(face.domain.middle(), r), circle_loop(face.domain.middle() + Vec2(0.2 * r, 0), 0.3 * r)};
     const TrimRegion trim(face, {}, 0);
     const auto pieces = bezier_pieces(s, face.domain);
     std::vector<FaceCell> cells;
-    for (std::size_t p = 0; p < pieces.size(); ++p) divide(pieces[p], static_cast<int>(p), trim, policy, cells);
+    for (std::size_t p = 0; p < pieces.size(); ++p) divide(pieces[p], static_cast<int>(p), trim, {}, cells);
     for (const FaceCell& cell : cells) {
       if (cell.kind != TrimRegion::Kind::inside) continue;
       ++inside_cells;

@@ -287,7 +287,7 @@ TEST(TrimPolygon, ToleranceIsMeasuredInTheWorld) {
     const Cylinder surface{{}, r};
     Face face = face_of({{{0.5, -r}, {2.5, -r}, {2.5, r}, {0.5, r}}}, surface);
     for (TrimCurve& c : face.loops[0].curves) c.edge = 0;
-    const TrimRegion trim(face, {{2, false, tolerance, tolerance}}, 0);
+    const TrimRegion trim(face, {{2, false, tolerance, tolerance, tolerance}}, 0);
     for (int i = 0; i < 100; ++i) {
       const double share = between(random, 0, 2), off = share * tolerance;
       if (std::abs(share - 1) < 0.01) {
