@@ -110,12 +110,14 @@ class Subdivision {
       largest_weight_ = std::max(largest_weight_, h.w);
     }
     restrict_to(leaf);
-    windows_.push_back(leaf);
+    windows_.assign(1, leaf);
     for (int cells = 0; !windows_.empty(); ++cells) {
       ++stats_.fallback_cells;
       if (cells >= kMostCells) {
+        // The ray runs along the surface (a ruling, say): what is left touches it, and one root tells so.
         ++stats_.fallback_out_of_budget;
         add_touching(windows_.back());
+        windows_.clear();
         return;
       }
       visit();

@@ -9,6 +9,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "patches/io/text_check.h"
+#include "patches/io/text_input.h"
+
 namespace iso {
 namespace {
 
@@ -124,13 +127,20 @@ Result<std::string> read_head(const std::string& path) {
   return head;
 }
 
+Status check_text_of(const std::string& path, Status (*check)(const std::string&, std::string_view)) {
+  const auto text = read_text(path);
+  return text ? check(path, *text) : Status(text.error());
+}
+
 Result<Model> read_as(Format format, const std::string& path, const std::string& head) {
   switch (format) {
     case Format::step:
+      if (const auto checked = check_text_of(path, check_step_text); !checked) return checked.error();
       return read_step(path);
     case Format::iges:
       return read_iges(path);
     case Format::brep:
+      if (const auto checked = check_text_of(path, check_brep_text); !checked) return checked.error();
       return read_brep(path);
     case Format::obj:
       return read_obj(path);

@@ -15,8 +15,8 @@ struct MeshHit {
   explicit operator bool() const { return triangle >= 0; }
 };
 
-// Embree computes in float. The mesh is moved to its middle in double before it is rounded, and rays start where they enter the box, so what
-// remains is about 1e-7 of the box's diagonal.
+// Embree computes in float. The mesh is moved to its middle in double before it is rounded, and rays start where they enter the box, so
+// what remains is about 1e-7 of the box's diagonal.
 class MeshScene {
  public:
   explicit MeshScene(const OcctMesh& mesh);
