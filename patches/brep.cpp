@@ -1,7 +1,7 @@
 #include "patches/brep.h"
 
 #include <array>
-#include <cstdio>
+#include <sstream>
 
 #include "patches/cells.h"
 #include "patches/trim.h"
@@ -167,9 +167,10 @@ void report_loose_edges(Model& model) {
         worst = std::max(worst, edge.gap);
       }
   if (count == 0) return;
-  char text[160];
-  std::snprintf(text, sizeof text, "%d edges: their faces are farther apart than the file's tolerance, by up to %.3g", count, worst);
-  model.report(Problem::Kind::note, "edges", text);
+  std::ostringstream text;
+  text.precision(3);
+  text << count << " edges: their faces are farther apart than the file's tolerance, by up to " << worst;
+  model.report(Problem::Kind::note, "edges", text.str());
 }
 
 }  // namespace

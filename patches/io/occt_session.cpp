@@ -8,12 +8,14 @@
 #include <cfenv>
 #include <csignal>
 #include <iostream>
+#include <vector>
 
 namespace iso::occt {
 namespace {
 
 // All signals for which Open CASCADE may install a handler. SIGINT stays with the program throughout.
 constexpr std::array kSignals{SIGFPE, SIGSEGV, SIGBUS, SIGILL, SIGSYS, SIGHUP, SIGQUIT, SIGTERM, SIGINT};
+constexpr size_t kHandlerStack = 256 << 10;  // bytes
 
 }  // namespace
 
@@ -22,6 +24,8 @@ struct Session::State {
   std::fenv_t floating_point{};
   std::streambuf *out = nullptr, *err = nullptr;
   Message_SequenceOfPrinters printers;
+  std::vector<char> stack = std::vector<char>(kHandlerStack);
+  stack_t stack_before{};
 };
 
 Session::Session() : state_(std::make_unique<State>()) {
@@ -38,10 +42,23 @@ Session::Session() : state_(std::make_unique<State>()) {
   for (size_t i = 0; i < kSignals.size(); ++i)
     if (kSignals[i] == SIGINT || kSignals[i] == SIGTERM || kSignals[i] == SIGHUP || kSignals[i] == SIGQUIT)
       sigaction(kSignals[i], &state_->handlers[i], nullptr);
+
+  // An entity of a damaged file that contains itself ends in a stack overflow: the handler needs a stack of its own.
+  stack_t own{};
+  own.ss_sp = state_->stack.data();
+  own.ss_size = state_->stack.size();
+  sigaltstack(&own, &state_->stack_before);
+  for (const int signal : {SIGSEGV, SIGBUS}) {
+    struct sigaction action {};
+    sigaction(signal, nullptr, &action);
+    action.sa_flags |= SA_ONSTACK;
+    sigaction(signal, &action, nullptr);
+  }
 }
 
 Session::~Session() {
   for (size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &state_->handlers[i], nullptr);
+  sigaltstack(&state_->stack_before, nullptr);
   std::fesetenv(&state_->floating_point);
   std::cout.rdbuf(state_->out);
   std::cerr.rdbuf(state_->err);

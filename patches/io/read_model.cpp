@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -152,6 +153,16 @@ Result<Model> read_as(Format format, const std::string& path, const std::string&
   return bad_input(path, "", fmt::format("{}; found {}", kExpected, describe(head)));
 }
 
+// A tolerance that is no number would let a face reach anywhere.
+void mend_tolerances(Model& model) {
+  for (Part& part : model.parts)
+    for (Edge& edge : part.edges) {
+      if (std::isfinite(edge.file_tolerance) && edge.file_tolerance >= 0) continue;
+      edge.file_tolerance = 0;
+      model.report(Problem::Kind::repaired, "part '" + part.name + "'", "edge with a tolerance that is not finite or negative: taken as 0");
+    }
+}
+
 // Why nothing is left: what was dropped and what was there instead of faces.
 std::string reason_for_no_faces(const Model& model) {
   constexpr size_t kTold = 3;
@@ -178,6 +189,7 @@ Result<Model> read_model(const std::string& path) {
   size_t faces = 0;
   for (const Instance& instance : model->instances) faces += model->parts[static_cast<size_t>(instance.part)].faces.size();
   if (faces == 0) return bad_input(path, "", reason_for_no_faces(*model));
+  mend_tolerances(*model);
   finish(*model);
   return model;
 }

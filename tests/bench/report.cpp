@@ -54,22 +54,32 @@ std::vector<std::string> speed(const Timing& ns) {
 }
 
 std::string ray_table(const std::vector<SceneResult>& results) {
-  std::vector<std::vector<std::string>> lines{{"scene", "rays", "count", "hits", "direct Mray/s", "", "triangles Mray/s", "", "build",
-                                               "ratio", "leaves/ray", "Newton/ray", "Newton/hit", "trims/ray", "fallbacks/ray",
-                                               "cells/fallback", "one side only"}};
+  std::vector<std::vector<std::string>> lines{
+      {"scene", "rays", "count", "hits", "direct Mray/s", "", "triangles Mray/s", "", "build", "ratio", "one side only"}};
   for (const SceneResult& result : results)
     for (const RayRow& row : result.rows) {
       std::vector<std::string> line{row.scene, row.rays, fmt::format("{}", row.count),
                                     fmt::format("{:.1f}%", 100 * per_ray(row.direct_hits, row))};
       for (const Timing& ns : {row.direct_ns, row.triangles_ns})
         for (const std::string& cell : speed(ns)) line.push_back(cell);
+      line.insert(line.end(), {name_of(row.triangles_build), fmt::format("{:.3f}", row.ratio()), fmt::format("{}", row.only_one_hits)});
+      lines.push_back(line);
+    }
+  return aligned(lines, 2);
+}
+
+std::string solver_table(const std::vector<SceneResult>& results) {
+  std::vector<std::vector<std::string>> lines{{"scene", "rays", "leaves/ray", "rejected/ray", "Newton/ray", "Newton/hit", "closed form/ray",
+                                               "trims/ray", "fallbacks/ray", "cells/fallback"}};
+  for (const SceneResult& result : results)
+    for (const RayRow& row : result.rows) {
       const auto& s = row.stats;
-      line.insert(line.end(),
-                  {name_of(row.triangles_build), fmt::format("{:.3f}", row.ratio()), fmt::format("{:.2f}", per_ray(s.leaf_visits, row)),
-                   fmt::format("{:.2f}", per_ray(s.newton_steps, row)), fmt::format("{:.2f}", row.newton_per_hit),
-                   fmt::format("{:.2f}", per_ray(s.trim_queries, row)), fmt::format("{:.4f}", per_ray(s.fallbacks, row)),
-                   fmt::format("{:.1f}", s.fallbacks ? static_cast<double>(s.fallback_cells) / static_cast<double>(s.fallbacks) : 0.0),
-                   fmt::format("{}", row.only_one_hits)});
+      const double cells = s.fallbacks ? static_cast<double>(s.fallback_cells) / static_cast<double>(s.fallbacks) : 0;
+      std::vector<std::string> line{row.scene, row.rays};
+      for (const double value :
+           {per_ray(s.leaf_visits, row), per_ray(s.slab_rejects, row), per_ray(s.newton_steps, row), row.newton_per_hit,
+            per_ray(s.analytic, row), per_ray(s.trim_queries, row), per_ray(s.fallbacks, row), cells})
+        line.push_back(fmt::format("{:.3f}", value));
       lines.push_back(line);
     }
   return aligned(lines, 2);
@@ -157,9 +167,14 @@ std::string as_table(const std::vector<SceneResult>& results, const MeasureOptio
       kName, options.tolerance, origin.machine, origin.commit, options.rounds);
   text += ray_table(results);
   text +=
-      "ratio: direct over triangles in rays per second, above 1 direct is faster; build: the faster one of MEDIUM and HIGH; one side only: "
-      "rays "
-      "that hit only the surface or only the triangles\n\n";
+      "ratio: rays per second, direct over triangles, above 1 direct is faster; build: the faster one of MEDIUM and HIGH; one side only: "
+      "rays that "
+      "hit only the surface or only the triangles\n\n";
+  text += solver_table(results);
+  text +=
+      "Newton/ray: all steps, of fallbacks too; Newton/hit: mean of the hits that Newton found; fallbacks: subdivision of a leaf where the "
+      "linear "
+      "model decides nothing\n\n";
   text += build_table(results);
   text +=
       "error: measured, share of the diagonal (distance of the surface from the triangles' planes); mesh ms: of CAD models with Open "

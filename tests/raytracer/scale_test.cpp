@@ -1,0 +1,141 @@
+// No tolerance is absolute: a model a hundred times larger or smaller gives the same hits, scaled. By a transform, and with the geometry
+// rewritten by Open CASCADE. What differs must lie where the file's own tolerance decides: at edges, or on grazing rays.
+#include "tests/support/edge_distance.h"
+#include "tests/support/load.h"
+#include "tests/support/occt_scale.h"
+#include "tests/support/random_shapes.h"
+#include "tests/support/solids.h"
+#include "tests/support/tally.h"
+
+namespace iso::test {
+namespace {
+
+constexpr std::uint64_t kSeed = 20240616;
+constexpr double kGrazing = 1e-4;
+
+struct Comparison {
+  std::uint64_t rays = 0, equal = 0, hits = 0, grazing = 0, edge = 0, unexplained = 0, met = 0;
+  double worst_t = 0;
+  std::vector<std::string> told;
+};
+
+bool passes_an_edge(const TraceScene& scene, const Ray& ray, double loosest) {
+  for (const Placed& p : scene.placed) {
+    const Affine3 back = inverse(p.to_world);
+    const double rounding = std::max(loosest, 1e-11 * p.part->box.diagonal());
+    if (test::passes_an_edge(*p.part, back.point(ray.o), glm::normalize(back.vector(ray.d)), rounding)) return true;
+  }
+  return false;
+}
+
+bool grazes(const Tracer& tracer, const Ray& ray, std::span<const Hit> hits) {
+  for (const Hit& hit : hits)
+    if (hit.status == HitStatus::tangent || std::abs(glm::dot(tracer.surface_point(hit).n, glm::normalize(ray.d))) < kGrazing) return true;
+  return false;
+}
+
+// The largest tolerance that the file, or its scaled copy, states for an edge, in units of the original.
+double loosest_edge(const TraceScene& scene) {
+  double most = 0;
+  for (const Placed& p : scene.placed)
+    for (const Edge& edge : p.part->edges) most = std::max({most, edge.file_tolerance, edge.closing});
+  return most;
+}
+
+// All hits of the same rays through both; `factor`: how much larger the second one is.
+Comparison compare(const Tracer& original, const Tracer& scaled, double factor, int count) {
+  Random random(kSeed);
+  const Box3 box = original.scene().box();
+  const double size = box.diagonal(), loosest = loosest_edge(scaled.scene()) / factor;
+  std::vector<Ray> rays, scaled_rays;
+  for (int i = 0; i < count; ++i) {
+    rays.push_back(random_ray(random, box.middle(), 0.5 * size));
+    scaled_rays.push_back({factor * rays.back().o, rays.back().d});
+  }
+  std::vector<Hit> a_hits, b_hits;
+  std::vector<std::size_t> a_at, b_at;
+  SolverStats stats;
+  original.all(rays, a_hits, a_at, stats);
+  scaled.all(scaled_rays, b_hits, b_at, stats);
+  Comparison c;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::span<const Hit> a(a_hits.data() + a_at[i], a_at[i + 1] - a_at[i]), b(b_hits.data() + b_at[i], b_at[i + 1] - b_at[i]);
+    ++c.rays;
+    c.hits += a.size();
+    c.met += !a.empty();
+    bool equal = a.size() == b.size();
+    double worst = 0;
+    for (std::size_t k = 0; equal && k < a.size(); ++k) worst = std::max(worst, std::abs(b[k].t / factor - a[k].t) / a[k].t);
+    if (equal && worst <= 1e-9) {
+      ++c.equal;
+      c.worst_t = std::max(c.worst_t, worst);
+    } else if (grazes(original, rays[i], a) || grazes(scaled, scaled_rays[i], b)) {
+      ++c.grazing;
+    } else if (passes_an_edge(original.scene(), rays[i], loosest)) {
+      ++c.edge;
+    } else {
+      ++c.unexplained;
+      const Ray& r = rays[i];
+      std::string text = fmt::format("{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}:", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z);
+      for (const Hit& hit : a) text += fmt::format(" [face {} t {:.17g}]", hit.face, hit.t);
+      text += " but";
+      for (const Hit& hit : b) text += fmt::format(" [face {} t {:.17g}]", hit.face, hit.t / factor);
+      c.told.push_back(text);
+    }
+  }
+  return c;
+}
+
+void expect_same(const std::string& name, const Tracer& original, const Tracer& scaled, double factor, int count, double most_exceptions) {
+  const Comparison c = compare(original, scaled, factor, count);
+  fmt::print(
+      "[ measured ] {} x {}: {} rays, {} meet it, {} hits; {} equal (t to {:.2g}); differing: {} grazing, {} past an edge, {} "
+      "unexplained\n",
+      name, factor, c.rays, c.met, c.hits, c.equal, c.worst_t, c.grazing, c.edge, c.unexplained);
+  EXPECT_EQ(c.rays, static_cast<std::uint64_t>(count));
+  EXPECT_GE(c.met, c.rays / 10);
+  EXPECT_EQ(c.unexplained, 0u);
+  EXPECT_LE(static_cast<double>(c.rays - c.equal), most_exceptions * count);
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, c.told.size()); ++i) ADD_FAILURE() << name << " x " << factor << ": " << c.told[i];
+}
+
+// Scaling by a transform leaves the part's own numbers alone: hardly a ray may differ.
+void by_transform(const std::string& path, int count) {
+  const auto model = load(path);
+  const Tracer original = tracer_of(model);
+  for (const double factor : {0.01, 100.0})
+    expect_same(std::filesystem::path(path).filename().string() + " by transform", original,
+                tracer_of(model, Affine3{Mat3(factor), Vec3(0.0)}), factor, count, 1e-4);
+}
+
+// Rewritten geometry has new roundings, new parameters and tolerances of its own.
+void rewritten(const std::string& path, int count) {
+  const TemporaryDir folder;
+  // The original goes through the same writer, so that the files differ in scale alone.
+  const std::string plain = (folder.path() / "plain.step").string();
+  ASSERT_EQ(write_scaled_step(path, 1, plain), "");
+  const Tracer original = tracer_of(load(plain));
+  for (const double factor : {0.01, 100.0}) {
+    const std::string file = (folder.path() / fmt::format("scaled-{}.step", factor)).string();
+    ASSERT_EQ(write_scaled_step(path, factor, file), "");
+    const auto model = load(file);
+    ASSERT_TRUE(model);
+    const Tracer scaled = tracer_of(model);
+    EXPECT_NEAR(scaled.scene().box().diagonal() / factor, original.scene().box().diagonal(), 1e-6 * original.scene().box().diagonal());
+    expect_same(std::filesystem::path(path).filename().string() + " rewritten", original, scaled, factor, count, 1e-3);
+  }
+}
+
+TEST(Scale, SmallModelsByTransform) {
+  for (const char* name : {"cad/occt-screw.step", "cad/stepcode-dm1-id-214.stp", "patches/teapot.bpt"}) by_transform(data(name), 20000);
+}
+TEST(Scale, SmallModelsRewritten) {
+  for (const char* name : {"cad/occt-screw.step", "cad/stepcode-dm1-id-214.stp"}) rewritten(data(name), 20000);
+}
+TEST(ScaleSlow, LinkrodsByTransform) { by_transform(occt_data("step/linkrods.step"), 100000); }
+TEST(ScaleSlow, LinkrodsRewritten) { rewritten(occt_data("step/linkrods.step"), 100000); }
+TEST(ScaleSlow, AssemblyByTransform) { by_transform(data("cad/stepcode-as1-oc-214.stp"), 100000); }
+TEST(ScaleSlow, AssemblyRewritten) { rewritten(data("cad/stepcode-as1-oc-214.stp"), 100000); }
+
+}  // namespace
+}  // namespace iso::test
