@@ -43,7 +43,7 @@ class TrimRegion {
 
   // uv may be off by whole periods of the surface, which gives the metric for the tolerance. `direction`: of the ray that asks, zero if
   // none. A ray that grazes the surface could slip between two sheets that lie a gap apart, so for it the tolerance grows by the inverse of
-  // the cosine, up to eight times.
+  // the cosine, up to kMostStretch times.
   struct Answer {
     bool inside = true;
     bool by_tolerance = false;
@@ -61,6 +61,9 @@ class TrimRegion {
 
   // The largest tolerance of a piece, stretched as far as it may be: the face ends at most this far beyond its loops.
   double largest_reach() const;
+
+  // How much more than its tolerance an edge lets in for a ray that grazes the surface.
+  static constexpr double kMostStretch = 8;
 
   // The periods of the face's surface (0: none).
   const Vec2& period() const { return period_; }

@@ -1,0 +1,253 @@
+// The making of a trim region: monotone pieces, and the grid they are clipped to. The queries are in trim.cpp.
+#include "patches/trim.h"
+
+#include <array>
+
+#include "patches/base/bernstein.h"
+#include "patches/base/bspline_basis.h"
+
+namespace iso {
+
+namespace {
+
+// Numerator of (x / w)' as a Bernstein polynomial: x' w - x w'.
+std::vector<double> slope_numerator(const std::vector<Vec3>& points, int coordinate) {
+  std::vector<double> x, w;
+  bool rational = false;
+  for (const Vec3& h : points) {
+    x.push_back(h[coordinate]);
+    w.push_back(h.z);
+    rational = rational || h.z != points.front().z;
+  }
+  if (!rational) return bernstein_derivative(x);
+  std::vector<double> a = bernstein_product(bernstein_derivative(x), w);
+  const std::vector<double> b = bernstein_product(x, bernstein_derivative(w));
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] -= b[i];
+  return a;
+}
+
+double edge_tolerance(const TrimCurve& curve, const std::vector<Edge>& edges, double least) {
+  return curve.edge < 0 ? least : std::max(least, edges[static_cast<std::size_t>(curve.edge)].closing);
+}
+
+}  // namespace
+
+TrimRegion::TrimRegion(const Face& face, const std::vector<Edge>& edges, double least_tolerance) {
+  period_ = periods(face.surface);
+  for (const TrimLoop& loop : face.loops) {
+    std::vector<UV> ends;          // start and end of every curve in turn
+    std::vector<TrimPiece> kinds;  // edge and tolerance of every curve
+    for (const TrimCurve& curve : loop.curves) {
+      TrimPiece like;
+      like.edge = curve.edge;
+      like.tolerance = edge_tolerance(curve, edges, least_tolerance);
+      const std::size_t before = ends.size();
+      add_curve(curve, like, ends);
+      if (ends.size() > before) kinds.push_back(like);
+    }
+    // Joints that do not meet bit for bit are closed by a straight piece, so that the even-odd count is that of closed curves.
+    for (std::size_t i = 0; i + 1 < ends.size(); i += 2) add_segment(ends[i + 1], ends[(i + 2) % ends.size()], kinds[i / 2]);
+  }
+  if (pieces_.empty()) return;
+  make_grid(face.surface);
+  fill_cells();
+}
+
+void TrimRegion::add_curve(const TrimCurve& curve, const TrimPiece& like, std::vector<UV>& ends) {
+  const bool backward = curve.t0 > curve.t1;
+  const auto spans = bezier_spans(curve.curve, std::min(curve.t0, curve.t1), std::max(curve.t0, curve.t1));
+  if (spans.empty()) return;
+  UV last = project(spans.front().points.front());
+  for (const auto& span : spans) {
+    add_segment(last, project(span.points.front()), like);
+    add_monotone(span.points, like);
+    last = project(span.points.back());
+  }
+  const UV first = project(spans.front().points.front());
+  ends.push_back(backward ? last : first);
+  ends.push_back(backward ? first : last);
+}
+
+void TrimRegion::add_segment(const UV& from, const UV& to, const TrimPiece& like) {
+  if (from == to) return;
+  TrimPiece piece = like;
+  piece.first = static_cast<std::uint32_t>(points_.size());
+  piece.degree = 1;
+  piece.box.include(from);
+  piece.box.include(to);
+  points_.push_back(homogeneous(from, 1.0));
+  points_.push_back(homogeneous(to, 1.0));
+  pieces_.push_back(piece);
+}
+
+void TrimRegion::add_monotone(const std::vector<Vec3>& points, const TrimPiece& like) {
+  std::vector<double> cuts{0.0, 1.0};
+  if (points.size() > 2)
+    for (const int c : {0, 1})
+      for (const double root : bernstein_roots(slope_numerator(points, c))) cuts.push_back(root);
+  std::sort(cuts.begin(), cuts.end());
+  std::vector<Vec3> rest = points, left, right;
+  double done = 0;
+  for (std::size_t i = 1; i < cuts.size(); ++i) {
+    if (cuts[i] - done < 1e-13 && i + 1 < cuts.size()) continue;
+    if (i + 1 < cuts.size() && 1 - cuts[i] > 1e-13) {
+      bernstein_split(rest, (cuts[i] - done) / (1 - done), left, right);
+    } else if (i + 1 < cuts.size()) {
+      continue;
+    } else {
+      left = rest;
+    }
+    done = cuts[i];
+    TrimPiece piece = like;
+    piece.first = static_cast<std::uint32_t>(points_.size());
+    piece.degree = static_cast<std::int32_t>(left.size()) - 1;
+    piece.box.include(project(left.front()));
+    piece.box.include(project(left.back()));
+    points_.insert(points_.end(), left.begin(), left.end());
+    pieces_.push_back(piece);
+    rest = right;
+  }
+}
+
+namespace {
+
+// Largest step in (u, v) that stays within `tolerance` of the world near a piece; a vanishing derivative is held at a share of the other
+// samples'.
+Vec2 reach_in_parameters(const AnySurface& surface, const Box2& box, double tolerance) {
+  Vec2 least{kInf}, most{0.0};
+  for (int i = 0; i <= 2; ++i) {
+    const Jet2 j = jet2(surface, box.lo + 0.5 * i * box.size());
+    const Vec2 speed{glm::length(j.Su), glm::length(j.Sv)};
+    least = glm::min(least, speed);
+    most = glm::max(most, speed);
+  }
+  const Vec2 speed = glm::max(least, glm::max(1e-2 * most, Vec2(1e-300)));
+  return 2.0 * tolerance / speed;
+}
+
+}  // namespace
+
+void TrimRegion::make_grid(const AnySurface& surface) {
+  for (TrimPiece& piece : pieces_) {
+    const Vec2 reach = kMostStretch * reach_in_parameters(surface, piece.box, piece.tolerance);
+    piece.near_box = {piece.box.lo - reach, piece.box.hi + reach};
+    loops_box_.include(piece.box);
+    reach_box_.include(piece.near_box);
+  }
+  Vec2 size = loops_box_.size();
+  for (int c = 0; c < 2; ++c)
+    if (!(size[c] > 0)) size[c] = 1e-9 + 1e-9 * std::abs(loops_box_.lo[c]);
+  // A margin that no round parameter value falls on.
+  box_ = {reach_box_.lo - 0.003171 * size, reach_box_.hi + 0.004137 * size};
+  const Jet2 j = jet2(surface, loops_box_.middle());
+  const double lu = std::max(1e-30, glm::length(j.Su) * size.x), lv = std::max(1e-30, glm::length(j.Sv) * size.y);
+  const double cells = std::clamp(12.0 * static_cast<double>(pieces_.size()), 64.0, 65536.0);
+  const double aspect = std::clamp(std::sqrt(lu / lv), 0.125, 8.0);
+  columns_ = std::clamp(static_cast<int>(std::sqrt(cells) * aspect), 4, 1024);
+  rows_ = std::clamp(static_cast<int>(std::sqrt(cells) / aspect), 4, 1024);
+  step_ = {(box_.hi.x - box_.lo.x) / columns_, (box_.hi.y - box_.lo.y) / rows_};
+}
+
+namespace {
+
+// A point where a piece is cut by a grid line; `fixed` coordinates lie on a line (or are an end) and are shared with a neighbour bit for
+// bit.
+struct Cut {
+  double t;
+  UV p;
+  std::array<bool, 2> fixed;
+};
+
+// Rounding may swap two cuts near a grid corner by a bit: brings the chain back in order by moving only coordinates that are not fixed.
+void make_monotone(std::vector<Cut>& cuts, const Vec2& direction) {
+  for (int pass = 0; pass < 4; ++pass) {
+    bool changed = false;
+    for (std::size_t i = 1; i < cuts.size(); ++i)
+      for (const int c : {0, 1}) {
+        double &before = cuts[i - 1].p[c], &here = cuts[i].p[c];
+        if (direction[c] >= 0 ? here >= before : here <= before) continue;
+        (cuts[i].fixed[c] ? before : here) = cuts[i].fixed[c] ? here : before;
+        changed = true;
+      }
+    if (!changed) return;
+  }
+}
+
+}  // namespace
+
+void TrimRegion::fill_cells() {
+  const std::size_t count = static_cast<std::size_t>(columns_) * rows_;
+  std::vector<std::vector<Clip>> clips(count);
+  std::vector<std::vector<std::uint32_t>> near(count);
+  const auto line_u = [&](int i) { return box_.lo.x + i * step_.x; };
+  const auto line_v = [&](int j) { return box_.lo.y + j * step_.y; };
+  std::vector<Cut> cuts;
+  for (std::uint32_t k = 0; k < pieces_.size(); ++k) {
+    TrimPiece& piece = pieces_[k];
+    const UV start = point_at(piece, 0), end = point_at(piece, 1);
+    cuts.assign({{0.0, start, {true, true}}, {1.0, end, {true, true}}});
+    // Where the piece crosses the grid lines strictly inside its box.
+    for (const int c : {0, 1}) {
+      const double lo = piece.box.lo[c], hi = piece.box.hi[c];
+      const int first = c == 0 ? column(lo) : row(lo), last = c == 0 ? column(hi) : row(hi);
+      for (int i = first; i <= last + 1; ++i) {
+        const double line = c == 0 ? line_u(i) : line_v(i);
+        if (!(lo < line && line < hi)) continue;
+        double a = 0, b = 1;
+        const bool rising = end[c] > start[c];
+        for (int step = 0; step < 56; ++step) {
+          const double m = 0.5 * (a + b);
+          ((point_at(piece, m)[c] < line) == rising ? a : b) = m;
+        }
+        UV p = point_at(piece, 0.5 * (a + b));
+        p[c] = line;
+        p = glm::clamp(p, piece.box.lo, piece.box.hi);
+        p[c] = line;
+        cuts.push_back({0.5 * (a + b), p, {c == 0, c == 1}});
+      }
+    }
+    // In order along the piece; its ends stay first and last whatever the others' rounded t, and equal t go by the coordinates.
+    std::swap(cuts[1], cuts.back());
+    const Vec2 forward{end.x >= start.x ? 1 : -1, end.y >= start.y ? 1 : -1};
+    std::sort(cuts.begin() + 1, cuts.end() - 1,
+              [&](const Cut& x, const Cut& y) { return x.t != y.t ? x.t < y.t : glm::dot(forward, x.p) < glm::dot(forward, y.p); });
+    make_monotone(cuts, end - start);
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+      if (cuts[i].p == cuts[i + 1].p) continue;
+      const UV middle = 0.5 * (cuts[i].p + cuts[i + 1].p);
+      clips[static_cast<std::size_t>(row(middle.y)) * columns_ + column(middle.x)].push_back(
+          {k, cuts[i].t, cuts[i + 1].t, cuts[i].p, cuts[i + 1].p});
+    }
+    // The cells that its tolerance may let points in: around each part between cuts, whose box is that of its ends.
+    const Vec2 reach = piece.near_box.hi - piece.box.hi;
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+      const Vec2 lo = glm::min(cuts[i].p, cuts[i + 1].p) - reach, hi = glm::max(cuts[i].p, cuts[i + 1].p) + reach;
+      const int c0 = column(lo.x), c1 = column(hi.x), r0 = row(lo.y), r1 = row(hi.y);
+      for (int r = r0; r <= r1; ++r)
+        for (int c = c0; c <= c1; ++c)
+          if (auto& list = near[static_cast<std::size_t>(r) * columns_ + c]; list.empty() || list.back() != k) list.push_back(k);
+    }
+  }
+  cells_.resize(count + 1);
+  for (int r = 0; r < rows_; ++r) {
+    bool inside = false;
+    for (int c = 0; c < columns_; ++c) {
+      const std::size_t index = static_cast<std::size_t>(r) * columns_ + c;
+      Cell& cell = cells_[index];
+      cell.clips_begin = static_cast<std::uint32_t>(clips_.size());
+      cell.near_begin = static_cast<std::uint32_t>(near_.size());
+      cell.corner_inside = inside;
+      const bool plain = clips[index].empty() && near[index].empty();
+      cell.kind = plain ? (inside ? Kind::inside : Kind::outside) : Kind::crossing;
+      const double bottom = line_v(r);
+      for (const Clip& clip : clips[index])
+        if (std::min(clip.p0.y, clip.p1.y) <= bottom && std::max(clip.p0.y, clip.p1.y) > bottom) inside = !inside;
+      clips_.insert(clips_.end(), clips[index].begin(), clips[index].end());
+      near_.insert(near_.end(), near[index].begin(), near[index].end());
+    }
+  }
+  cells_[count].clips_begin = static_cast<std::uint32_t>(clips_.size());
+  cells_[count].near_begin = static_cast<std::uint32_t>(near_.size());
+}
+
+}  // namespace iso
