@@ -104,6 +104,17 @@ void set_ray(RTCRayHit16& r, unsigned i, const Vec3& o, const Vec3& unit, double
   r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
 }
 
+// Lanes that take no part must still hold rays: Embree's narrower kernels look at all of them. These end before they begin.
+RTCRayHit16 idle_rays() {
+  RTCRayHit16 rays;
+  for (unsigned i = 0; i < kWidth; ++i) {
+    set_ray(rays, i, Vec3(0.0), Vec3(0, 0, 1), 0, 0);
+    rays.ray.tnear[i] = std::numeric_limits<float>::infinity();
+    rays.ray.tfar[i] = -std::numeric_limits<float>::infinity();
+  }
+  return rays;
+}
+
 RTCRayHit single(const RTCRayHit16& r, unsigned i) {
   RTCRayHit s{};
   s.ray = {r.ray.org_x[i],
@@ -151,7 +162,7 @@ void trace(RTCScene scene, Context& context, RTCRayHit16& rays, const int* valid
 void trace_placed(Context& context, int placed_index, const int* wanted, bool packet) {
   const PlacedPart& placed = context.placed[placed_index];
   const PartGeometry& geometry = placed.part->geometry;
-  alignas(64) RTCRayHit16 rays;
+  alignas(64) RTCRayHit16 rays = idle_rays();
   alignas(64) int valid[kWidth];
   for (unsigned i = 0; i < kWidth; ++i) {
     valid[i] = 0;
@@ -308,7 +319,7 @@ struct Tracer::Impl {
       if (!placed.empty()) trace_placed(context, 0, valid, packet);
       return;
     }
-    alignas(64) RTCRayHit16 rays;
+    alignas(64) RTCRayHit16 rays = idle_rays();
     for (unsigned i = 0; i < count; ++i) {
       const Lane& lane = context.search.lanes[i];
       double enter, leave;
@@ -328,7 +339,6 @@ struct Tracer::Impl {
     std::array<Lane, kWidth> lanes;
     Context context;
     rtcInitIntersectContext(&context.embree);
-    if (packet) context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     context.search.query = query;
     context.placed = placed.data();
     context.search.lanes = lanes.data();
