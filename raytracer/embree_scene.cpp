@@ -241,9 +241,9 @@ struct Tracer::Impl {
   Vec3 centre{0.0};
   Box3 box;
 
-  explicit Impl(TraceScene s) : scene(std::move(s)) {
+  Impl(TraceScene s, const std::string& configuration) : scene(std::move(s)) {
     const auto start = std::chrono::steady_clock::now();
-    device = rtcNewDevice("");
+    device = rtcNewDevice(configuration.c_str());
     ISO_CHECK(device != nullptr);
     rtcSetDeviceMemoryMonitorFunction(device, count_memory, this);
     build_parts();
@@ -360,7 +360,7 @@ struct Tracer::Impl {
   }
 };
 
-Tracer::Tracer(TraceScene scene) : impl_(std::make_unique<Impl>(std::move(scene))) {
+Tracer::Tracer(TraceScene scene, const std::string& device) : impl_(std::make_unique<Impl>(std::move(scene), device)) {
   impl_->build.bytes += static_cast<std::uint64_t>(impl_->embree_bytes.load());
 }
 Tracer::~Tracer() = default;

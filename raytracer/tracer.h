@@ -58,7 +58,8 @@ struct BuildStats {
 
 class Tracer {
  public:
-  explicit Tracer(TraceScene scene);
+  // `device`: Embree's own configuration, "isa=avx2" say; hits do not depend on it.
+  explicit Tracer(TraceScene scene, const std::string& device = {});
   ~Tracer();
   Tracer(Tracer&&) noexcept;
   Tracer& operator=(Tracer&&) noexcept;

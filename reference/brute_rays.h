@@ -44,13 +44,15 @@ inline std::vector<Stretch> stretches(const BezierPatch& patch, const Vec3& o, c
       found.push_back({lo, hi});
       continue;
     }
-    // Across the longer side of the net.
-    const double s = glm::length(project(part.at(part.pu, 0)) - project(part.at(0, 0))) +
-                     glm::length(project(part.at(part.pu, part.pv)) - project(part.at(0, part.pv)));
-    const double t = glm::length(project(part.at(0, part.pv)) - project(part.at(0, 0))) +
-                     glm::length(project(part.at(part.pu, part.pv)) - project(part.at(part.pu, 0)));
+    // Across the direction in which the net is longer.
+    double along_s = 0, along_t = 0;
+    for (int a = 0; a <= part.pu; ++a)
+      for (int b = 0; b <= part.pv; ++b) {
+        if (a > 0) along_s = std::max(along_s, part.pu * glm::length(project(part.at(a, b)) - project(part.at(a - 1, b))));
+        if (b > 0) along_t = std::max(along_t, part.pv * glm::length(project(part.at(a, b)) - project(part.at(a, b - 1))));
+      }
     BezierPatch low, high;
-    split_in_half(part, s >= t ? 0 : 1, low, high);
+    split_in_half(part, along_s >= along_t ? 0 : 1, low, high);
     stack.push_back(std::move(high));
     stack.push_back(std::move(low));
   }
