@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
+#include <cstdlib>
 
 #include "patches/io/text_input.h"
 
 namespace iso {
 namespace {
+
+// Programs write 1e100 or 2e100 for infinity; squares of what is larger overflow, and Open CASCADE then loops for ever.
+constexpr double kLargestInFile = 1e120;
 
 int line_at(std::string_view text, std::size_t at) {
   return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
@@ -22,6 +27,12 @@ bool is_no_number(std::string_view word) {
   std::string_view rest = lower;
   if (!rest.empty() && (rest[0] == '+' || rest[0] == '-')) rest.remove_prefix(1);
   return rest.starts_with("nan") || rest.starts_with("inf") || rest.find(".#") != rest.npos;
+}
+
+// A number as far as it goes, so "1.E+0390." counts as the one that C reads from it.
+bool is_too_large(std::string_view word) {
+  if (word.empty() || word.find_first_of("eE") == word.npos) return false;
+  return std::abs(std::strtod(std::string(word).c_str(), nullptr)) > kLargestInFile;
 }
 
 // Where a string or comment that begins at `at` ends (one past it); `at` if none begins there. Doubled quotes belong to the string, which
@@ -101,6 +112,8 @@ Status check_step_text(const std::string& path, std::string_view text) {
     // A name before '(' is a type, such as INFO(...).
     if (is_no_number(word) && (end == text.size() || text[end] != '('))
       return bad_input(path, std::to_string(line_at(text, begin)), "found " + quoted(word) + ", expected a number");
+    if (is_too_large(word))
+      return bad_input(path, std::to_string(line_at(text, begin)), "found " + quoted(word) + ", expected a number of sensible size");
     at = begin;
   }
   return Done{};

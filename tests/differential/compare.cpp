@@ -41,7 +41,18 @@ class Pair {
     return kDeviationFactor * std::max(mesh_.deflection, hit ? double(triangle(hit).deviation) : 0.0) + scene_.rounding();
   }
 
-  // The same along the ray.
+  // How far a face may reach beyond its trim curves to close the gap to its neighbour, where a hit is due to that.
+  double closing(const Hit& ours) const {
+    if (!ours.by_tolerance) return 0;
+    const Part& part = *tracer_.scene().placed[std::size_t(ours.placed)].part;
+    double most = 0;
+    for (const TrimLoop& loop : tracer_.face(ours).loops)
+      for (const TrimCurve& curve : loop.curves)
+        if (curve.edge >= 0) most = std::max(most, part.edges[std::size_t(curve.edge)].closing);
+    return most;
+  }
+
+  // What the mesh is off, along the ray.
   double allowed(const Ray& ray, const Hit& ours, const MeshHit& theirs) const {
     const double mesh_cosine = glm::dot(normal_of(mesh_, triangle(theirs)), ray.d);
     const double our_cosine = glm::dot(tracer_.surface_point(ours).n, ray.d);
@@ -84,7 +95,7 @@ Verdict judge(const Pair& pair, const Ray& ray, const PixelPair& pixel) {
   const bool both = pixel.ours && pixel.theirs;
   if (!pixel.ours && !pixel.theirs) return Verdict::both_miss;
   if (both && std::abs(pixel.ours.t - pixel.theirs.t) <= pixel.allowed) return Verdict::same_depth;
-  const bool rim = pair.agree_beside(ray, pixel.ours, pixel.theirs, pixel.off);
+  const bool rim = pair.agree_beside(ray, pixel.ours, pixel.theirs, pixel.off + pair.closing(pixel.ours));
   return both ? (rim ? Verdict::rim_depth : Verdict::depth) : (rim ? Verdict::rim_hit_miss : Verdict::hit_miss);
 }
 

@@ -20,16 +20,17 @@ inline constexpr double kLeastCosine = 0.02;
 
 // A rim: a silhouette, a border, or the edge of a face behind which another one shows. Where a mesh that is off by a little puts a rim a
 // little beside the true one, single rays differ. A difference counts as `rim` only if the same ray, moved sideways by no more than
-// kDeviationFactor times what the mesh is off, agrees with what the other program saw.
+// kDeviationFactor times what the mesh is off, agrees with what the other program saw. A hit of ours that closes the gap of a loose edge
+// may be as far off as the gap is wide, in addition.
 enum class Verdict : std::uint8_t { both_miss, same_depth, rim_hit_miss, hit_miss, rim_depth, depth };
 
 struct PixelPair {
   Hit ours;
   MeshHit theirs;
   std::int32_t their_face = -1;  // OcctMesh's number; not that of our part
-  double off = 0;      // what the mesh is off at most, along the normal and sideways
-  double allowed = 0;  // difference of depth, where both hit
-  bool loose = false;  // the mesh is off by more than twice its deflection here
+  double off = 0;                // what the mesh is off at most, along the normal and sideways
+  double allowed = 0;            // difference of depth, where both hit
+  bool loose = false;            // the mesh is off by more than twice its deflection here
   Verdict verdict = Verdict::both_miss;
 };
 
@@ -59,8 +60,8 @@ struct Comparison {
 
 inline constexpr ImageSize kComparedSize{640, 480};
 
-// Parallel rays of unit direction that just hold the box, from the `iso` view; and the same rays run through from their other ends, which see
-// the sides that were hidden.
+// Parallel rays of unit direction that just hold the box, from the `iso` view; and the same rays run through from their other ends, which
+// see the sides that were hidden.
 std::vector<Ray> rays_from_above(const Box3& box, const ImageSize& size);
 std::vector<Ray> rays_from_below(const Box3& box, const ImageSize& size);
 

@@ -1,5 +1,5 @@
-// Every CAD file at hand against Open CASCADE's mesh of it: at most 0.1 % of the pixels may disagree on hit or miss, at most 0.1 % on depth, and
-// each pixel that does must lie on a rim, to within what the mesh is off (compare.h).
+// Every CAD file at hand against Open CASCADE's mesh of it: at most 0.1 % of the pixels may disagree on hit or miss, at most 0.1 % on
+// depth, and each pixel that does must lie on a rim, to within what the mesh is off (compare.h).
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -15,13 +15,26 @@ namespace {
 
 constexpr double kMostHitMiss = 1e-3, kMostDepth = 1e-3;  // shares of all pixels
 
-// Where the two do not show the same thing. Both pictures of each were looked at; the bounds are the numbers of then, with a tenth added for
-// another compiler. An entry that is no longer needed makes the test fail.
+// Where the two do not show the same thing. Both pictures of each were looked at; the bounds are the numbers of then, with a tenth added
+// for another compiler. An entry that is no longer needed makes the test fail.
 struct KnownDifference {
   long hit_miss, depth, unexplained;  // pixels, at most
   const char* reason;
 };
 const std::map<std::string, KnownDifference> kKnown{
+    // The mesh is wrong.
+    {"brlcad-plate-creo.stp", {520, 20, 450, "the mesh has dents in a cone, below its apex; ours is the true cone"}},
+    {"exact-distinct-edge-zero-area-face.stp",
+     {11400, 14000, 25300, "the mesher fails on three faces of five; ours is the whole tetrahedron"}},
+    {"occtjs-conical-surface.step", {20, 33000, 32900, "the mesher fails on the inner cone; ours is the whole ring"}},
+    // The file contradicts itself, within the tolerances that it states.
+    {"open-nurbs-measured-mismatch.stp",
+     {6900, 0, 3140, "its edges lie 0.15 beside its surface: the mesh hangs on the edges, ours is the surface"}},
+    {"permissive-periodic-boundary-inference.stp",
+     {1830, 20, 1700, "a vertex lies 1 beside the edges that end there: the mesh is drawn to it"}},
+    // The file has no trim curves, and those that Open CASCADE's reader makes up are wrong; its mesher does not follow them.
+    {"near-degenerate-nurbs-pole.stp", {41, 0, 18, "the made-up trim curves leave their edges by up to 7 of 1000 near the pole"}},
+    {"two-side-singular-corner.stp", {6100, 0, 6010, "a made-up line cuts off the corner where two collapsed sides meet"}},
 };
 
 // Files without anything to compare.
@@ -88,9 +101,10 @@ Paths cad_files(const std::filesystem::path& dir) { return files_in(dir, {".step
 
 TEST(Differential, TenSmallFilesLookLikeTheMeshesThatOpenCascadeMakesOfThem) {
   Paths files;
-  for (const char* name : {"axom-sliced-cylinder.step", "bladex-blade-tip.iges", "cadquery-red-cube-blue-cylinder.step", "far-screw-placed.brep",
-                           "mayo-issue-332.stp", "pygem-pipe-hollow.iges", "edge-cases/conical-closed-edge-band.stp",
-                           "edge-cases/neighbor-keyhole-seam.stp", "edge-cases/offset-extrusion.stp", "edge-cases/periodic-edge-propagation.stp"})
+  for (const char* name :
+       {"axom-sliced-cylinder.step", "bladex-blade-tip.iges", "cadquery-red-cube-blue-cylinder.step", "far-screw-placed.brep",
+        "mayo-issue-332.stp", "pygem-pipe-hollow.iges", "edge-cases/conical-closed-edge-band.stp", "edge-cases/neighbor-keyhole-seam.stp",
+        "edge-cases/offset-extrusion.stp", "edge-cases/periodic-edge-propagation.stp"})
     files.push_back(data_dir() / "cad" / name);
   EXPECT_EQ(compare_all(files), 10);
 }

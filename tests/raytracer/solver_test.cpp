@@ -97,7 +97,7 @@ TEST(Solver, RandomPatchesAgainstBruteSubdivision) {
   Tally hits("hits", kSeed), stretches("stretches", kSeed);
   Totals totals;
   for (int i = 0; i < 150; ++i) {
-    const NurbsSurface s = random_patch(random, whole(random, 1, 8), between(random, 0.1, 3));
+    const NurbsSurface s = random_patch(random, 1, whole(random, 1, 8), between(random, 0.1, 3));
     compare(s, rays_through(random, s, 20), 1e-8, hits, stretches, totals, false);
   }
   EXPECT_GE(totals.hits, 1500u);
@@ -109,7 +109,7 @@ TEST(Solver, CollapsedSidesAndFoldsAgainstBruteSubdivision) {
   Tally hits("hits", kSeed + 1), stretches("stretches", kSeed + 1);
   Totals totals;
   for (int i = 0; i < 100; ++i) {
-    NurbsSurface s = random_patch(random, 5, 0.5);
+    NurbsSurface s = random_patch(random, 2, 5, 0.5);
     const auto at = [&](int u, int v) -> Vec4& { return s.poles[static_cast<std::size_t>(u * s.count_v + v)]; };
     switch (i % 4) {
       case 0:  // one side is a point
@@ -140,7 +140,7 @@ TEST(Solver, GrazingRaysAgainstBruteSubdivision) {
   Tally hits("hits", kSeed + 2), stretches("stretches", kSeed + 2);
   Totals near, clear;
   for (int i = 0; i < 60; ++i) {
-    const NurbsSurface s = random_patch(random, whole(random, 2, 5), 0.4);
+    const NurbsSurface s = random_patch(random, 1, whole(random, 2, 5), 0.4);
     Box3 box;
     for (const Vec4& h : s.poles) box.include(project(h));
     for (const bool close : {false, true}) {
@@ -153,7 +153,7 @@ TEST(Solver, GrazingRaysAgainstBruteSubdivision) {
         const double off = box.diagonal() * std::pow(10.0, close ? between(random, -9, -6) : between(random, -5, -2)) * (k % 2 ? 1 : -1);
         rays.push_back({j.S + off * n - 2.0 * box.diagonal() * d, d});
       }
-      compare(s, rays, 1e-7, hits, stretches, close ? near : clear, close);
+      compare(s, rays, close ? 1e-5 : 1e-6, hits, stretches, close ? near : clear, close);
     }
   }
   EXPECT_GE(clear.hits, 300u);

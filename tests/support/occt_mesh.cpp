@@ -98,7 +98,7 @@ void spread_deviations(std::span<MeshTriangle> triangles, std::uint32_t first_po
 // Adds the triangles of a face; false if it has none.
 bool add_face(const TopoDS_Face& face, int number, OcctMesh& mesh) {
   TopLoc_Location place;
-  const Handle(Poly_Triangulation) & triangulation = BRep_Tool::Triangulation(face, place);
+  const Handle(Poly_Triangulation)& triangulation = BRep_Tool::Triangulation(face, place);
   if (triangulation.IsNull() || triangulation->NbTriangles() == 0) return false;
   const auto first_point = std::uint32_t(mesh.points.size());
   const std::size_t first_triangle = mesh.triangles.size();
