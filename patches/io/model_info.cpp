@@ -73,15 +73,15 @@ long count_colours(const Model& model) {
 
 std::string counted(long n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
-std::string line(const char* label, const std::string& value) { return fmt::format("{:<12}{}\n", label, value); }
+std::string line(const char* label, const std::string& value) { return fmt::format("{:<13}{}\n", label, value); }
 
 std::string text_of_faces(const ModelInfo& info) {
   std::string text =
       line("faces", info.faces_placed == info.faces_stored ? fmt::format("{}", info.faces_placed)
                                                            : fmt::format("{} placed, {} stored", info.faces_placed, info.faces_stored));
   for (const FaceCount& c : info.kinds)
-    text += c.placed == c.stored ? fmt::format("{:<12}{:>7}  {}\n", "", c.placed, c.kind)
-                                 : fmt::format("{:<12}{:>7}  {} ({} stored)\n", "", c.placed, c.kind, c.stored);
+    text += c.placed == c.stored ? fmt::format("{:<13}{:>7}  {}\n", "", c.placed, c.kind)
+                                 : fmt::format("{:<13}{:>7}  {} ({} stored)\n", "", c.placed, c.kind, c.stored);
   return text;
 }
 

@@ -30,6 +30,7 @@ void compare(const NurbsSurface& s, const std::vector<Ray>& rays, double smalles
   std::vector<std::size_t> offsets;
   tracer.all(rays, hits, offsets, totals.stats);
   for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (getenv("DBG")) { SolverStats one; std::vector<Hit> h; std::vector<std::size_t> o; tracer.all({&rays[i], 1}, h, o, one); if (one.fallback_out_of_budget) fmt::print("OUT {} cells {} tangent {} hits {} deg {}x{} rational {} o {:.17g} {:.17g} {:.17g} d {:.17g} {:.17g} {:.17g} {}\n", one.fallback_out_of_budget, one.fallback_cells, one.tangent, h.size(), s.degree_u, s.degree_v, s.rational(), rays[i].o.x,rays[i].o.y,rays[i].o.z,rays[i].d.x,rays[i].d.y,rays[i].d.z, in_file_format(s)); }
     const auto where = reference::stretches(patch, rays[i].o, rays[i].d, smallest);
     const std::span<const Hit> mine(hits.data() + offsets[i], offsets[i + 1] - offsets[i]);
     ++totals.rays;
@@ -69,9 +70,9 @@ void finish(const char* name, Tally& hits, Tally& stretches, const Totals& t, do
       name, t.rays, t.hits, t.stretches, t.empty, t.stats.solves, t.stats.fallbacks, t.stats.fallback_cells, t.stats.tangent);
 }
 
-NurbsSurface random_patch(Random& random, int most_degree, double jitter) {
-  NurbsSurface s = random_nurbs(random, Knots::bezier, Knots::bezier, whole(random, 1, most_degree), whole(random, 1, most_degree),
-                                whole(random, 0, 1) == 1);
+NurbsSurface random_patch(Random& random, int least_degree, int most_degree, double jitter) {
+  const int pu = whole(random, least_degree, most_degree), pv = whole(random, least_degree, most_degree);
+  NurbsSurface s = random_nurbs(random, Knots::bezier, Knots::bezier, pu, pv, whole(random, 0, 1) == 1);
   for (int i = 0; i < s.count_u; ++i)
     for (int j = 0; j < s.count_v; ++j) {
       Vec4& h = s.poles[static_cast<std::size_t>(i * s.count_v + j)];
