@@ -141,6 +141,9 @@ double bend_of(const LinearModel& m) {
   return cross > 0 ? (m.stray_a * glm::length(m.B) + m.stray_b * glm::length(m.A)) / cross : kInf;
 }
 
+// Dyadic boxes hold twelve levels in a direction (see Leaf): none may get thinner than this.
+constexpr double kLeastWidth = 1.0 / 4096;
+
 Box2 native_box(const BezierPiece& piece, const Node& node) { return {piece.to_native(node.lo), piece.to_native(node.hi)}; }
 
 }  // namespace
@@ -162,7 +165,7 @@ void divide(const BezierPiece& piece, int piece_index, const TrimRegion& trim, c
     }
     const Vec2 width = node.hi - node.lo;
     int direction = m.split_direction();
-    if (width[direction] < 1.0 / 4096) direction = 1 - direction;  // dyadic boxes hold twelve levels a direction
+    if (width[direction] < 2 * kLeastWidth) direction = 1 - direction;
     Node low{{}, node.lo, node.hi, node.levels + 1}, high = low;
     split_in_half(node.patch, direction, low.patch, high.patch);
     const double middle = 0.5 * (node.lo[direction] + node.hi[direction]);

@@ -39,6 +39,7 @@ struct Context {
   const PlacedPart* placed = nullptr;  // all of them
   Vec3 centre{0.0};                    // of the world, for the float rays of the top level
   std::array<double, kWidth> top_shift{}, top_length{};
+  double top_slack = 0;  // left behind the limit of top-level rays against float rounding, in world units
 };
 
 float rounded_up(double x) {
@@ -60,7 +61,8 @@ void set_box(RTCBounds* out, const Box3& box) {
 
 // ---- callbacks ---------------------------------------------------------------------------------------------------------
 
-float far_limit(const Lane& lane) { return rounded_up((lane.limit() - lane.shift) * lane.length); }
+// The float ray starts `slack` before the local ray, and as much is left behind the limit, against the rounding of both.
+float far_limit(const Lane& lane) { return rounded_up((lane.limit() - lane.shift) * lane.length + 2 * lane.slack); }
 
 template <bool (*meet)(Search&, Lane&, const PartGeometry&, std::uint32_t)>
 void intersect_part(const RTCIntersectFunctionNArguments* args) {
@@ -158,6 +160,9 @@ void trace(RTCScene scene, Context& context, RTCRayHit16& rays, const int* valid
   }
 }
 
+// Float rays start this share of the part's size before the local ray: a root may lie just before the box by rounding.
+constexpr double kStartSlack = 1e-6;
+
 // Traces lanes through one placed part. Each lane's ray is moved to where it enters the part's box first.
 void trace_placed(Context& context, int placed_index, const int* wanted, bool packet) {
   const PlacedPart& placed = context.placed[placed_index];
@@ -174,8 +179,8 @@ void trace_placed(Context& context, int placed_index, const int* wanted, bool pa
     lane.shift = enter;
     lane.length = glm::length(d);
     lane.local = make_local_ray(o + enter * d, d, geometry.size);
-    const double slack = 1e-6 * geometry.size;  // against a first root that rounding puts just before the box
-    set_ray(rays, i, lane.local.o - (slack / lane.length) * d, d / lane.length, 0, (leave - enter) * lane.length + 2 * slack);
+    lane.slack = kStartSlack * geometry.size;
+    set_ray(rays, i, lane.local.o - (lane.slack / lane.length) * d, d / lane.length, 0, (leave - enter) * lane.length + 2 * lane.slack);
     valid[i] = -1;
   }
   const int before = context.search.current;
@@ -199,7 +204,7 @@ void enter_placed(const Args* args, RTCRayN* rays) {
     if (context.search.query == Query::occluded) {
       if (lane.blocked) far = -std::numeric_limits<float>::infinity();
     } else if (context.search.query == Query::nearest) {
-      far = std::min(far, rounded_up((lane.limit() - context.top_shift[id]) * context.top_length[id]));
+      far = std::min(far, rounded_up((lane.limit() - context.top_shift[id]) * context.top_length[id] + context.top_slack));
     }
   }
 }
@@ -319,6 +324,7 @@ struct Tracer::Impl {
       if (!placed.empty()) trace_placed(context, 0, valid, packet);
       return;
     }
+    context.top_slack = kStartSlack * box.diagonal();
     alignas(64) RTCRayHit16 rays = idle_rays();
     for (unsigned i = 0; i < count; ++i) {
       const Lane& lane = context.search.lanes[i];
@@ -327,7 +333,7 @@ struct Tracer::Impl {
       const double length = glm::length(lane.d);
       context.top_shift[i] = enter;
       context.top_length[i] = length;
-      set_ray(rays, i, lane.o + enter * lane.d - centre, lane.d / length, 0, (leave - enter) * length);
+      set_ray(rays, i, lane.o + enter * lane.d - centre, lane.d / length, 0, (leave - enter) * length + context.top_slack);
       valid[i] = -1;
     }
     trace(top, context, rays, valid, packet);

@@ -26,6 +26,7 @@
 #include <fstream>
 #include <functional>
 
+#include "patches/io/occt_cycles.h"
 #include "patches/io/occt_session.h"
 #include "patches/io/occt_shape.h"
 #include "patches/io/read_model.h"
@@ -155,6 +156,8 @@ Result<Model> read_iges_document(const std::string& path) {
   reader.SetNameMode(Standard_True);
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
   if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) return bad_input(path, "", "damaged IGES file: its sections cannot be parsed");
+  if (const auto group = occt::group_within_itself(reader.IGESModel()))
+    return bad_input(path, fmt::format("D{}", *group), "damaged IGES file: the group is part of itself");
   ModelBuilder builder(path, "IGES");
   if (const auto iges = reader.IGESModel(); !iges.IsNull() && !iges->GlobalSection().UnitName().IsNull())
     builder.model.file_unit = iges->GlobalSection().UnitName()->ToCString();

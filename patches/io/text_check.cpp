@@ -11,8 +11,9 @@
 namespace iso {
 namespace {
 
-// Programs write 1e100 or 2e100 for infinity; squares of what is larger overflow, and Open CASCADE then loops for ever.
-constexpr double kLargestInFile = 1e120;
+// Programs write 1e100 or 2e100 for infinity; squares of what is larger overflow. Searching the nearest point of a surface with a pole
+// beyond 1e33, Open CASCADE loops for ever; our readers take no coordinate beyond kLargestNumber.
+constexpr double kLargestInFile = 1e120, kLargestCoordinate = 1e30;
 
 int line_at(std::string_view text, std::size_t at) {
   return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
@@ -30,9 +31,16 @@ bool is_no_number(std::string_view word) {
 }
 
 // A number as far as it goes, so "1.E+0390." counts as the one that C reads from it.
-bool is_too_large(std::string_view word) {
+bool is_too_large(std::string_view word, double largest) {
   if (word.empty() || word.find_first_of("eE") == word.npos) return false;
-  return std::abs(std::strtod(std::string(word).c_str(), nullptr)) > kLargestInFile;
+  return std::abs(std::strtod(std::string(word).c_str(), nullptr)) > largest;
+}
+
+// The word of letters, digits and underscores that ends before `at`; empty if there is none.
+std::string_view name_before(std::string_view text, std::size_t at) {
+  std::size_t begin = at;
+  while (begin > 0 && (std::isalnum(static_cast<unsigned char>(text[begin - 1])) || text[begin - 1] == '_')) --begin;
+  return text.substr(begin, at - begin);
 }
 
 // Where a string or comment that begins at `at` ends (one past it); `at` if none begins there. Doubled quotes belong to the string, which
@@ -96,6 +104,7 @@ bool is_brep_word(std::string_view word) {
 
 Status check_step_text(const std::string& path, std::string_view text) {
   // Values stand after '(' or ',' and end before ',' or ')'.
+  std::string_view type;
   for (std::size_t at = 0; at < text.size();) {
     if (const std::size_t past = past_quotes(text, at); past != at) {
       at = past;
@@ -105,6 +114,7 @@ Status check_step_text(const std::string& path, std::string_view text) {
       ++at;
       continue;
     }
+    if (const auto name = name_before(text, at); text[at] == '(' && !name.empty()) type = name;
     std::size_t begin = at + 1;
     while (begin < text.size() && is_blank(text[begin])) ++begin;
     const std::size_t end = std::min(text.find_first_of(",()'\"/;", begin), text.size());
@@ -112,7 +122,7 @@ Status check_step_text(const std::string& path, std::string_view text) {
     // A name before '(' is a type, such as INFO(...).
     if (is_no_number(word) && (end == text.size() || text[end] != '('))
       return bad_input(path, std::to_string(line_at(text, begin)), "found " + quoted(word) + ", expected a number");
-    if (is_too_large(word))
+    if (is_too_large(word, type == "CARTESIAN_POINT" ? kLargestCoordinate : kLargestInFile))
       return bad_input(path, std::to_string(line_at(text, begin)), "found " + quoted(word) + ", expected a number of sensible size");
     at = begin;
   }

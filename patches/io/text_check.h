@@ -9,8 +9,8 @@
 
 namespace iso {
 
-// Refuses the text of a STEP file (ISO 10303-21) in which a number is no number (NaN, infinity in any spelling) or beyond 1e120, with its
-// line.
+// Refuses the text of a STEP file (ISO 10303-21) in which a number is no number (NaN, infinity in any spelling) or absurdly large (a
+// coordinate beyond 1e30, others beyond 1e120), with its line.
 Status check_step_text(const std::string& path, std::string_view text);
 
 // Refuses the text of a BREP file in which a word is neither a number nor one of the format's own, with its line.

@@ -42,8 +42,9 @@ TEST_F(Mutation, NothingIsFoundInTheMeshAsItIs) {
   EXPECT_LE(p.hit_miss + p.depth, 0.001 * double(p.pixels.size()));
 }
 
-TEST_F(Mutation, AMeshPushedAlongTheRaysByTenDeflectionsIsFoundWhereverItIsSeenFacing) {
-  const Picture p = picture_of(moved(10 * mesh().deflection * rays()[0].d));
+TEST_F(Mutation, AMeshPushedAlongTheRaysByFifteenDeflectionsIsFoundWhereverItIsSeenFacing) {
+  // Six are allowed at 60 degrees; a shift sideways by three may explain five more there.
+  const Picture p = picture_of(moved(15 * mesh().deflection * rays()[0].d));
   long facing = 0, found = 0;
   for (const PixelPair& pixel : p.pixels) {
     const bool is_facing = pixel.ours && pixel.theirs && pixel.allowed < 2 * pixel.off;

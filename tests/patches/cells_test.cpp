@@ -21,7 +21,8 @@ Slopes slopes_at(const BezierPiece& piece, const FaceCell& cell, const Vec2& ab)
 }
 
 struct CellTallies {
-  Tally area{"areas", kSeed}, strays{"strays", kSeed}, boxes{"boxes", kSeed}, once{"every point in one cell", kSeed};
+  Tally area{"areas", kSeed}, strays{"strays", kSeed}, boxes{"boxes", kSeed}, once{"every point in one cell", kSeed},
+      grid{"cells on the grid of 2^-12", kSeed};
   std::uint64_t cells = 0, pieces = 0;
   double stray_use = 0;
 };
@@ -33,6 +34,9 @@ void examine(Random& random, const SurfaceCase& c, const BezierPiece& piece, con
   double area = 0;
   for (const FaceCell& cell : cells) {
     area += (cell.hi.x - cell.lo.x) * (cell.hi.y - cell.lo.y);
+    const Vec2 units = 4096.0 * (cell.hi - cell.lo), corner = 4096.0 * cell.lo;
+    t.grid.check(units.x >= 1 && units.y >= 1 && units == glm::floor(units) && corner == glm::floor(corner),
+                 [&] { return fmt::format("{}: a cell of {} x {} units at ({}, {})", c.name, units.x, units.y, corner.x, corner.y); });
     for (int k = 0; k < 6; ++k) {
       const Vec2 ab = k < 4 ? Vec2(k & 1 ? 1 : -1, k & 2 ? 1 : -1) : random_vector<Vec2>(random, 1);
       const Slopes s = slopes_at(piece, cell, ab);
@@ -76,6 +80,7 @@ TEST(Cells, PartitionEveryKindWithHonestBounds) {
   t.once.finish(t.pieces * 20);
   t.strays.finish(t.cells * 6);
   t.boxes.finish(t.cells * 6);
+  t.grid.finish(t.cells);
   EXPECT_GE(t.pieces, 100u);
   EXPECT_GE(t.cells, 10000u);
   fmt::print("[ measured ] {} pieces, {} cells; largest used share of a stray bound {:.3g}\n", t.pieces, t.cells, t.stray_use);

@@ -30,7 +30,6 @@ void compare(const NurbsSurface& s, const std::vector<Ray>& rays, double smalles
   std::vector<std::size_t> offsets;
   tracer.all(rays, hits, offsets, totals.stats);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (getenv("DBG")) { SolverStats one; std::vector<Hit> h; std::vector<std::size_t> o; tracer.all({&rays[i], 1}, h, o, one); if (one.fallback_out_of_budget) fmt::print("OUT {} cells {} tangent {} hits {} deg {}x{} rational {} o {:.17g} {:.17g} {:.17g} d {:.17g} {:.17g} {:.17g} {}\n", one.fallback_out_of_budget, one.fallback_cells, one.tangent, h.size(), s.degree_u, s.degree_v, s.rational(), rays[i].o.x,rays[i].o.y,rays[i].o.z,rays[i].d.x,rays[i].d.y,rays[i].d.z, in_file_format(s)); }
     const auto where = reference::stretches(patch, rays[i].o, rays[i].d, smallest);
     const std::span<const Hit> mine(hits.data() + offsets[i], offsets[i + 1] - offsets[i]);
     ++totals.rays;
