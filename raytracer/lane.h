@@ -20,6 +20,7 @@ struct Lane {
   std::vector<Hit>* all = nullptr;
   LocalRay local;     // in the part's coordinates, started `shift` along the ray
   double shift = 0;   // of the local ray, in t
+  double slack = 0;   // how far before the local ray its float companion starts, in part units
   double length = 1;  // |local.d|: float distances count in part units
   double limit() const { return std::min(tmax, best.t); }
 };
