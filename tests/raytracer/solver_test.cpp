@@ -92,23 +92,23 @@ std::vector<Ray> rays_through(Random& random, const NurbsSurface& s, int count) 
   return rays;
 }
 
-TEST(Solver, RandomPatchesAgainstBruteSubdivision) {
-  Random random(kSeed);
-  Tally hits("hits", kSeed), stretches("stretches", kSeed);
+void random_patches(std::uint64_t seed, int patches) {
+  Random random(seed);
+  Tally hits("hits", seed), stretches("stretches", seed);
   Totals totals;
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < patches; ++i) {
     const NurbsSurface s = random_patch(random, 1, whole(random, 1, 8), between(random, 0.1, 3));
     compare(s, rays_through(random, s, 20), 1e-8, hits, stretches, totals, false);
   }
-  EXPECT_GE(totals.hits, 1500u);
+  EXPECT_GE(totals.hits, static_cast<std::uint64_t>(10 * patches));
   finish("random patches", hits, stretches, totals, 0);
 }
 
-TEST(Solver, CollapsedSidesAndFoldsAgainstBruteSubdivision) {
-  Random random(kSeed + 1);
-  Tally hits("hits", kSeed + 1), stretches("stretches", kSeed + 1);
+void degenerate_patches(std::uint64_t seed, int patches) {
+  Random random(seed);
+  Tally hits("hits", seed), stretches("stretches", seed);
   Totals totals;
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < patches; ++i) {
     NurbsSurface s = random_patch(random, 2, 5, 0.5);
     const auto at = [&](int u, int v) -> Vec4& { return s.poles[static_cast<std::size_t>(u * s.count_v + v)]; };
     switch (i % 4) {
@@ -129,17 +129,17 @@ TEST(Solver, CollapsedSidesAndFoldsAgainstBruteSubdivision) {
     }
     compare(s, rays_through(random, s, 20), 1e-7, hits, stretches, totals, false);
   }
-  EXPECT_GE(totals.hits, 1000u);
+  EXPECT_GE(totals.hits, static_cast<std::uint64_t>(10 * patches));
   finish("degenerate patches", hits, stretches, totals, 0);
 }
 
 // Rays in tangent planes, moved off by 1e-2 .. 1e-9 of the size: two near roots, or none. Those nearer than the boxes of the reference may
 // be told apart by the solver alone.
-TEST(Solver, GrazingRaysAgainstBruteSubdivision) {
-  Random random(kSeed + 2);
-  Tally hits("hits", kSeed + 2), stretches("stretches", kSeed + 2);
+void grazing_rays(std::uint64_t seed, int patches) {
+  Random random(seed);
+  Tally hits("hits", seed), stretches("stretches", seed);
   Totals near, clear;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < patches; ++i) {
     const NurbsSurface s = random_patch(random, 1, whole(random, 2, 5), 0.4);
     Box3 box;
     for (const Vec4& h : s.poles) box.include(project(h));
@@ -156,7 +156,7 @@ TEST(Solver, GrazingRaysAgainstBruteSubdivision) {
       compare(s, rays, close ? 1e-5 : 1e-6, hits, stretches, close ? near : clear, close);
     }
   }
-  EXPECT_GE(clear.hits, 300u);
+  EXPECT_GE(clear.hits, static_cast<std::uint64_t>(5 * patches));
   EXPECT_LE(clear.empty, 0u);
   Totals both = clear;
   both.rays += near.rays;
@@ -166,6 +166,13 @@ TEST(Solver, GrazingRaysAgainstBruteSubdivision) {
   both.stats += near.stats;
   finish("grazing rays", hits, stretches, both, 0.5);
 }
+
+TEST(Solver, RandomPatchesAgainstBruteSubdivision) { random_patches(kSeed, 100); }
+TEST(Solver, CollapsedSidesAndFoldsAgainstBruteSubdivision) { degenerate_patches(kSeed + 1, 60); }
+TEST(Solver, GrazingRaysAgainstBruteSubdivision) { grazing_rays(kSeed + 2, 40); }
+TEST(SolverSlow, RandomPatchesAgainstBruteSubdivision) { random_patches(kSeed + 3, 1000); }
+TEST(SolverSlow, CollapsedSidesAndFoldsAgainstBruteSubdivision) { degenerate_patches(kSeed + 4, 800); }
+TEST(SolverSlow, GrazingRaysAgainstBruteSubdivision) { grazing_rays(kSeed + 5, 600); }
 
 }  // namespace
 }  // namespace iso::test
