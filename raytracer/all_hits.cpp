@@ -22,7 +22,10 @@ void sort_and_remove_doubles(const Tracer& tracer, const Ray& ray, double size, 
       const double apart = (hit.t - k->hit.t) * length;
       if (apart > 1e-3 * size) break;
       if (k->hit.placed != hit.placed) continue;
-      const bool same_face = k->hit.face == hit.face && glm::length(k->at.p - at.p) <= 1e-9 * size;
+      // One root found twice differs by rounding, which grazing stretches along the ray.
+      const double cosine = std::max(std::abs(glm::dot(at.n, ray.d)) / length, 1e-3);
+      const double rounding = 32 * (at.error_bound + k->at.error_bound) / cosine;
+      const bool same_face = k->hit.face == hit.face && glm::length(k->at.p - at.p) <= rounding;
       const bool touching = hit.status == HitStatus::tangent || k->hit.status == HitStatus::tangent;
       if (same_face && (k->entering == entering || touching)) twice = true;
     }

@@ -15,9 +15,11 @@ constexpr double kCertified = 0.6;
 // is none inside. Above it, such an end proves nothing and the window is divided.
 constexpr double kOneToOneAround = 0.3;
 constexpr int kMostNewtonSteps = 16;
-constexpr int kMostCells = 100000;
+constexpr int kMostCells = 1000000;
 // A root may lie beyond the border of its leaf by this share of the leaf: neighbours overlap, duplicates are removed by whoever counts.
 constexpr double kBorder = 1e-9;
+// Where rounding alone could move a root by more than this share of its window, the Jacobian is too near singular for Newton to decide.
+constexpr double kDoubtfulBorder = 1e-6;
 
 // A box of the patch's unit square by middle and half width; (a, b) in [-1, 1]^2 are its own parameters.
 struct Window {
@@ -218,6 +220,7 @@ class Subdivision {
     if (!(contraction < kCertified)) return false;
     const Vec2 kappa{M.a + M.b, M.c + M.d};
     const Vec2 border = kBorder + 16 * kEps * ray_.scale * largest_weight_ * row_lengths(inverse);
+    if (std::max(border.x, border.y) > kDoubtfulBorder) return false;
     const PlaneJet middle = plane_jet(patch_, ray_, window.middle);
     const Vec2 linear = -inverse.times(middle.jet.H.w * middle.F);
     if (std::abs(linear.x) > (1 + border.x) * (1 + kappa.x) || std::abs(linear.y) > (1 + border.y) * (1 + kappa.y)) return true;
@@ -305,10 +308,10 @@ void roots_in_leaf(const LeafPatch& patch, const Leaf& leaf, const LocalRay& ray
     // |J0^-1| E is the outer product of `reach` and the strays: its only eigenvalue is their scalar product.
     const Vec2 kappa = reach * (static_cast<double>(leaf.stray_a) + leaf.stray_b);
     const double contraction = reach.x * leaf.stray_a + reach.y * leaf.stray_b;
-    if (contraction < kFast) {
+    const Vec2 border = kBorder + 16 * kEps * ray.scale * reach;
+    if (contraction < kFast && std::max(border.x, border.y) <= kDoubtfulBorder) {
       const Vec2 linear = -inverse.times(F);
-      // The float record's own error moves the linear root by reach times the centre's rounding, which the margin holds for head-on rays.
-      const Vec2 border = kBorder + 16 * kEps * ray.scale * reach;
+      // The float record's own error moves the linear root by reach times the rounding of the centre.
       const Vec2 limit = (1.0 + border) * (1.0 + kappa) + 4e-7 * ray.scale * reach;
       if (std::abs(linear.x) > limit.x || std::abs(linear.y) > limit.y) {
         ++stats.slab_rejects;

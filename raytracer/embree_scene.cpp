@@ -453,14 +453,19 @@ constexpr double kGapsFromEdge = 4;
 }  // namespace
 
 bool Tracer::meet_at_loose_edge(const Hit& a, const Hit& b) const {
-  if (a.placed != b.placed || a.face == b.face) return false;
+  if (a.placed != b.placed) return false;
   const PartGeometry& geometry = impl_->placed[static_cast<std::size_t>(a.placed)].part->geometry;
   const Face &fa = face(a), &fb = face(b);
   const Point3 pa = point(fa.surface, a.uv), pb = point(fb.surface, b.uv);
   if (glm::length(pa - pb) > 16 * geometry.largest_gap) return false;
   const std::vector<int> ea = edges_of(fa), eb = edges_of(fb);
   std::vector<int> shared;
-  std::set_intersection(ea.begin(), ea.end(), eb.begin(), eb.end(), std::back_inserter(shared));
+  if (a.face != b.face) {
+    std::set_intersection(ea.begin(), ea.end(), eb.begin(), eb.end(), std::back_inserter(shared));
+  } else {  // the seams of one face
+    for (std::size_t i = 1; i < ea.size(); ++i)
+      if (ea[i] == ea[i - 1]) shared.push_back(ea[i]);
+  }
   for (const int e : shared) {
     const double reach = kGapsFromEdge * geometry.part->edges[static_cast<std::size_t>(e)].closing;
     if (reach > 0 && glm::length(pa - pb) <= 4 * reach &&

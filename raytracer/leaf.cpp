@@ -4,8 +4,6 @@ namespace iso {
 
 namespace {
 
-// Float rounding of coordinates about the part's origin, and of rays that start on its box, as a share of the part's size.
-constexpr double kFloatRounding = 2e-7;
 // Boxes are larger than the geometry by this share of the part's size.
 constexpr double kBoxInflation = 1e-6;
 
@@ -15,7 +13,7 @@ void store(const Vec3& from, float to[3]) {
   for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(from[c]);
 }
 
-Leaf make_leaf(const FaceCell& cell, std::uint32_t patch, double part_size) {
+Leaf make_leaf(const FaceCell& cell, std::uint32_t patch) {
   Leaf leaf{};
   store(cell.centre, leaf.centre);
   store(cell.A, leaf.A);
@@ -23,8 +21,6 @@ Leaf make_leaf(const FaceCell& cell, std::uint32_t patch, double part_size) {
   const double rounding = 1e-6 * (glm::length(cell.A) + glm::length(cell.B));
   leaf.stray_a = static_cast<float>(1.000001 * (cell.stray_a + rounding));
   leaf.stray_b = static_cast<float>(1.000001 * (cell.stray_b + rounding));
-  const double cross = glm::length(glm::cross(cell.A, cell.B)), longest = std::max(glm::length(cell.A), glm::length(cell.B));
-  leaf.margin = static_cast<float>(std::min(1e6, 1e-5 + 2 * kFloatRounding * part_size * longest / std::max(cross, 1e-300)));
   leaf.patch = patch;
   const Vec2 lo = cell.lo * kGridUnits, width = (cell.hi - cell.lo) * kGridUnits;
   leaf.corner = (static_cast<std::uint32_t>(lo.x) << 16) | static_cast<std::uint32_t>(lo.y);
@@ -54,7 +50,7 @@ void add_patches(PartGeometry& geometry, std::uint32_t index, const Face& face, 
     divide(piece, 0, trim, policy, cells);
     if (cells.empty()) continue;
     for (const FaceCell& cell : cells) {
-      geometry.leaves.push_back(make_leaf(cell, patch, part_size));
+      geometry.leaves.push_back(make_leaf(cell, patch));
       geometry.leaf_boxes.push_back(cell.box);
     }
     geometry.patches.push_back({std::move(piece), index});

@@ -17,7 +17,7 @@ struct Leaf {
   float centre[3];
   float A[3], B[3];        // dS/da, dS/db at the centre; the cell is |a|, |b| <= 1
   float stray_a, stray_b;  // |dS/da - A| <= stray_a and |dS/db - B| <= stray_b over the cell; the rounding of this record is included
-  float margin;            // how far beyond 1 the float model's (a, b) may lie for a point of the cell
+  float spare;             // fills the cache line
   std::uint32_t patch;     // index into PartGeometry::patches
   std::uint32_t corner;    // lower corner of the dyadic box: s in the high, t in the low 16 bits, in units of 2^-12
   std::uint16_t size[2];   // extent of the box in the same unit

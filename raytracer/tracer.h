@@ -1,7 +1,7 @@
 // Rays against exact surfaces: arrays of rays in, arrays of hits out. The only interface between the renderer and Embree.
 //
-// A hit is (instance, face, u, v, t) in double; everything else is evaluated from it. Rays may have directions of any length; t counts in
-// directions. Results do not depend on how rays are batched, nor on the number of threads.
+// A hit is (instance, face, u, v, t) in double; everything else is evaluated from it. Rays may have directions of any finite length but
+// zero; t counts in directions. Results do not depend on how rays are batched, nor on the number of threads.
 #pragma once
 
 #include <cstdint>

@@ -26,6 +26,7 @@
 #include <fstream>
 #include <functional>
 
+#include "patches/io/occt_checks.h"
 #include "patches/io/occt_cycles.h"
 #include "patches/io/occt_session.h"
 #include "patches/io/occt_shape.h"
@@ -146,6 +147,7 @@ Result<Model> read_step_document(const std::string& path) {
   builder.model.unit = "mm";
   Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
   if (!reader.Transfer(document)) return bad_input(path, "", "STEP file without shapes: expected at least one product with a shape");
+  occt::report_checks(reader.Reader().WS(), builder.model);
   for (const TDF_Label& label : free_shapes(document)) add_label(label, TopLoc_Location(), name_of(label), std::nullopt, builder);
   return builder.take();
 }
@@ -164,6 +166,7 @@ Result<Model> read_iges_document(const std::string& path) {
   builder.model.unit = "mm";
   Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
   if (!reader.Transfer(document)) return bad_input(path, "", "IGES file without shapes: expected curves or surfaces");
+  occt::report_checks(reader.WS(), builder.model);
   add_as_one(free_shapes(document), stem_of(path), builder);
   return builder.take();
 }

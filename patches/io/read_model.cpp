@@ -173,7 +173,7 @@ std::string reason_for_no_faces(const Model& model) {
     if (told++ == kTold) return text + "; ...";
     text += fmt::format("{} {}: {}", told == 1 ? ":" : ";", p.entity, p.what);
   }
-  return text;
+  return told > 0 ? text : text + ": nothing in the file became a shape";
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ TEST_F(Mutation, NothingIsFoundInTheMeshAsItIs) {
   EXPECT_LE(p.hit_miss + p.depth, 0.001 * double(p.pixels.size()));
 }
 
-TEST_F(Mutation, AMeshPushedAlongTheRaysByFifteenDeflectionsIsFoundWhereverItIsSeenFacing) {
+TEST_F(Mutation, AMeshPushedAlongTheRaysByFifteenDeflectionsIsFoundAtNearlyAllPixelsThatFaceThem) {
   // Six are allowed at 60 degrees; a shift sideways by three may explain five more there.
   const Picture p = picture_of(moved(15 * mesh().deflection * rays()[0].d));
   long facing = 0, found = 0;
@@ -52,7 +52,7 @@ TEST_F(Mutation, AMeshPushedAlongTheRaysByFifteenDeflectionsIsFoundWhereverItIsS
     found += is_facing && pixel.verdict == Verdict::depth;
   }
   EXPECT_GT(facing, 500);
-  EXPECT_EQ(found, facing);
+  EXPECT_GT(double(found), 0.99 * double(facing)) << "the rest lies beside edges";
 }
 
 TEST_F(Mutation, AMeshMovedSidewaysByTwoPixelsIsFoundOnBothSides) {

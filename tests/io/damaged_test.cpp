@@ -1,5 +1,6 @@
 // Damaged files: every one is read to a sound model or refused with one clear message; no crash, no hang. Each file is read in a child
 // process, so that one that breaks its reader is told like any other failure.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -131,6 +132,32 @@ void survive_damage(const std::vector<std::string>& names, int rounds_each) {
   EXPECT_GT(read, 0);
   std::cout << tried << " damaged files: " << read << " read, " << refused << " refused, " << failed << " failed; longest " << longest
             << " s\n";
+}
+
+TEST(Damaged, TruncatedFilesAreRefusedWhereverTheyAreCut) {
+  const std::string names[] = {"cad/occtjs-cube-mm.step",
+                               "cad/edge-cases/vertex-loop-spline-pole.stp",
+                               "cad/occt-wing.brep",
+                               "cad/far-screw-placed.brep",
+                               "cad/dealii-wigley-hull.iges",
+                               "cad/pygem-pipe-hollow.iges",
+                               "patches/wave-trimmed-hole.obj",
+                               "patches/teaspoon.bpt"};
+  const TemporaryDir dir;
+  int refused = 0;
+  for (const std::string& name : names) {
+    const std::string whole = text_of(data(name));
+    ASSERT_GT(whole.size(), 1000u);
+    for (const std::size_t percent : {0, 1, 3, 12, 25, 37, 50, 63, 75, 88, 95, 99}) {
+      const std::string path = dir.path() / fmt::format("{}-{}", percent, std::filesystem::path(name).filename().string());
+      std::ofstream(path, std::ios::binary) << whole.substr(0, whole.size() * percent / 100);
+      const ChildResult result = read_in_child(path);
+      EXPECT_EQ(result.code, static_cast<int>(Exit::bad_input)) << path << ": " << result.summary();
+      EXPECT_EQ(objection(result, path), "");
+      refused += result.code == static_cast<int>(Exit::bad_input);
+    }
+  }
+  EXPECT_EQ(refused, static_cast<int>(std::size(names)) * 12);
 }
 
 TEST(Damaged, BptFilesAreReadOrRefused) { survive_damage({"patches/teaspoon.bpt", "patches/teapot.bpt"}, 100); }
