@@ -15,11 +15,11 @@ constexpr double kCertified = 0.6;
 // is none inside. Above it, such an end proves nothing and the window is divided.
 constexpr double kOneToOneAround = 0.3;
 constexpr int kMostNewtonSteps = 16;
-constexpr int kMostCells = 1000000;
+constexpr int kMostCells = 100000;
 // A root may lie beyond the border of its leaf by this share of the leaf: neighbours overlap, duplicates are removed by whoever counts.
 constexpr double kBorder = 1e-9;
 // Where rounding alone could move a root by more than this share of its window, the Jacobian is too near singular for Newton to decide.
-constexpr double kDoubtfulBorder = 1e-6;
+constexpr double kDoubtfulBorder = 0.25;
 
 // A box of the patch's unit square by middle and half width; (a, b) in [-1, 1]^2 are its own parameters.
 struct Window {
@@ -86,8 +86,13 @@ NewtonEnd newton(const BezierPatch& patch, const LocalRay& ray, const Window& wi
       ab += move;
       const Vec4 h = p.jet.H + window.half.x * move.x * p.jet.Hs + window.half.y * move.y * p.jet.Ht;
       root = {window.to_unit(ab), ray.t_of(project(h)), HitStatus::converged, static_cast<std::uint16_t>(step)};
-      const bool inside = std::abs(ab.x) <= 1 + border.x && std::abs(ab.y) <= 1 + border.y;
-      return inside ? NewtonEnd::converged : NewtonEnd::left_window;
+      if (std::max(std::abs(ab.x), std::abs(ab.y)) <= 1 + kBorder) return NewtonEnd::converged;
+      if (std::abs(ab.x) > 1 + border.x || std::abs(ab.y) > 1 + border.y) return NewtonEnd::left_window;
+      // Beyond the border by what rounding may do: it is a root of the window if the border itself meets the ray to rounding.
+      const Vec2 held = window.to_unit(glm::clamp(ab, Vec2(-1.0), Vec2(1.0)));
+      const PlaneJet at_border = plane_jet(patch, ray, held);
+      root = {held, ray.t_of(project(at_border.jet.H)), HitStatus::converged, static_cast<std::uint16_t>(step)};
+      return glm::length(at_border.F) <= 4 * rounding ? NewtonEnd::converged : NewtonEnd::left_window;
     }
     if (!(size < 1e3) || (step > 4 && size > 2 * last_step)) return NewtonEnd::failed;
     last_step = size;
@@ -168,7 +173,7 @@ class Subdivision {
     }
     const bool empty = lo.x > rounding || hi.x < -rounding || lo.y > rounding || hi.y < -rounding || sum_lo > 2 * rounding ||
                        sum_hi < -2 * rounding || difference_lo > 2 * rounding || difference_hi < -2 * rounding;
-    if (empty) {
+    if (empty || misses_across(net, rounding)) {
       windows_.pop_back();
       return;
     }
@@ -184,6 +189,18 @@ class Subdivision {
       return;
     }
     split(window, direction);
+  }
+
+  // Where a ray grazes, (f, g) run along a narrow band that lies in any direction: does the origin lie beside it?
+  bool misses_across(const Vec2* net, double rounding) const {
+    const Vec2 diagonal = net[stride_ - 1] - net[0], other = net[stride_ - 1 - patch_.pv] - net[patch_.pv];
+    const Vec2 along = glm::dot(diagonal, diagonal) >= glm::dot(other, other) ? diagonal : other;
+    const double length = glm::length(along);
+    if (!(length > 0)) return false;
+    const Vec2 across = Vec2(-along.y, along.x) / length;
+    Range band;
+    for (std::size_t i = 0; i < stride_; ++i) band.include(glm::dot(across, net[i]));
+    return band.lo > 2 * rounding || band.hi < -2 * rounding;
   }
 
   // True if the window holds no root, or one that has been found. Else `direction` is the one to split.

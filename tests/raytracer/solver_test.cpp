@@ -176,9 +176,9 @@ void grazing_rays(std::uint64_t seed, int patches) {
 TEST(Solver, RandomPatchesAgainstBruteSubdivision) { random_patches(kSeed, 100); }
 TEST(Solver, CollapsedSidesAndFoldsAgainstBruteSubdivision) { degenerate_patches(kSeed + 1, 60); }
 TEST(Solver, GrazingRaysAgainstBruteSubdivision) { grazing_rays(kSeed + 2, 40); }
-TEST(SolverSlow, RandomPatchesAgainstBruteSubdivision) { random_patches(kSeed + 3, 1000); }
-TEST(SolverSlow, CollapsedSidesAndFoldsAgainstBruteSubdivision) { degenerate_patches(kSeed + 4, 800); }
-TEST(SolverSlow, GrazingRaysAgainstBruteSubdivision) { grazing_rays(kSeed + 5, 600); }
+TEST(SolverSlow, RandomPatchesAgainstBruteSubdivision) { random_patches(kSeed + 3, 400); }
+TEST(SolverSlow, CollapsedSidesAndFoldsAgainstBruteSubdivision) { degenerate_patches(kSeed + 4, 320); }
+TEST(SolverSlow, GrazingRaysAgainstBruteSubdivision) { grazing_rays(kSeed + 5, 300); }
 
 }  // namespace
 }  // namespace iso::test
