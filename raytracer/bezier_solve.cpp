@@ -15,7 +15,7 @@ constexpr double kCertified = 0.6;
 // is none inside. Above it, such an end proves nothing and the window is divided.
 constexpr double kOneToOneAround = 0.3;
 constexpr int kMostNewtonSteps = 16;
-constexpr int kMostCells = 100000;
+constexpr int kMostCells = 20000;
 // A root may lie beyond the border of its leaf by this share of the leaf: neighbours overlap, duplicates are removed by whoever counts.
 constexpr double kBorder = 1e-9;
 // Where rounding alone could move a root by more than this share of its window, the Jacobian is too near singular for Newton to decide.

@@ -12,6 +12,7 @@
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
 #include <cctype>
+#include <vector>
 
 namespace iso::occt {
 namespace {
@@ -35,25 +36,29 @@ std::string trimmed(std::string text) {
   return text;
 }
 
-struct Checks {
-  const Handle(Interface_InterfaceModel) model;
-  Interface_CheckIterator list;
-
-  // The iterator knows the entity itself or its number.
-  Entity entity() const {
-    if (!list.Value()->Entity().IsNull()) return list.Value()->Entity();
-    const int number = list.Number();
-    return number > 0 && number <= model->NbEntities() ? model->Value(number) : Entity();
-  }
+struct Said {
+  Entity entity;
+  Handle(Interface_Check) check;
 };
 
+// The list as values: copies of its iterator share one position.
+std::vector<Said> all_of(Interface_CheckIterator list, const Handle(Interface_InterfaceModel) & model) {
+  std::vector<Said> all;
+  for (list.Start(); list.More(); list.Next()) {
+    Said said{list.Value()->Entity(), list.Value()};  // or the entity's number is known
+    if (said.entity.IsNull() && list.Number() > 0 && list.Number() <= model->NbEntities()) said.entity = model->Value(list.Number());
+    all.push_back(said);
+  }
+  return all;
+}
+
 // What was said against the surface of a face, if that is why it is missing.
-std::string fault_of_surface(const Entity& face, Checks checks) {
-  const auto surface_of = Handle(StepShape_FaceSurface)::DownCast(face);
-  if (surface_of.IsNull() || surface_of->FaceGeometry().IsNull()) return {};
-  for (checks.list.Start(); checks.list.More(); checks.list.Next())
-    if (checks.entity() == surface_of->FaceGeometry() && checks.list.Value()->NbFails() > 0)
-      return fmt::format(": its surface ({}) cannot be made from what the file says", type_of(surface_of->FaceGeometry()));
+std::string fault_of_surface(const Entity& entity, const std::vector<Said>& all) {
+  const auto face = Handle(StepShape_FaceSurface)::DownCast(entity);
+  if (face.IsNull() || face->FaceGeometry().IsNull()) return {};
+  for (const Said& said : all)
+    if (said.entity == face->FaceGeometry() && said.check->NbFails() > 0)
+      return fmt::format(": its surface ({}) cannot be made from what the file says", type_of(face->FaceGeometry()));
   return {};
 }
 
@@ -67,16 +72,13 @@ void report_checks(const Handle(XSControl_WorkSession) & session, Model& model) 
     const std::string label = label_of(session->Model(), entity);
     return label.empty() ? std::string("file") : fmt::format("{} {}", label, type_of(entity));
   };
-  Checks load{session->Model(), session->ModelCheckList()};
-  for (load.list.Start(); load.list.More(); load.list.Next())
-    for (int i = 1; i <= load.list.Value()->NbFails(); ++i)
-      model.report(Problem::Kind::note, name(load.entity()), "not as the format wants it: " + trimmed(load.list.Value()->CFail(i)));
+  for (const Said& said : all_of(session->ModelCheckList(), session->Model()))
+    for (int i = 1; i <= said.check->NbFails(); ++i)
+      model.report(Problem::Kind::note, name(said.entity), "not as the format wants it: " + trimmed(said.check->CFail(i)));
 
   // Entities that did not become shapes. In IGES every failure stands for one, in STEP a warning says so.
-  Checks transfer{session->Model(), session->TransferReader()->TransientProcess()->CheckList(Standard_False)};
-  for (transfer.list.Start(); transfer.list.More(); transfer.list.Next()) {
-    const Handle(Interface_Check) check = transfer.list.Value();
-    const Entity entity = transfer.entity();
+  const auto transfer = all_of(session->TransferReader()->TransientProcess()->CheckList(Standard_False), session->Model());
+  for (const auto& [entity, check] : transfer) {
     const bool iges = !Handle(IGESData_IGESEntity)::DownCast(entity).IsNull();
     for (int i = 1; i <= check->NbFails(); ++i) {
       const std::string message = trimmed(check->CFail(i));
@@ -84,8 +86,7 @@ void report_checks(const Handle(XSControl_WorkSession) & session, Model& model) 
     }
     for (int i = 1; i <= check->NbWarnings(); ++i)
       if (is_left_out(check->CWarning(i)))
-        model.report(Problem::Kind::dropped, name(entity),
-                     "Open CASCADE makes no shape of it" + (entity.IsNull() ? std::string() : fault_of_surface(entity, transfer)));
+        model.report(Problem::Kind::dropped, name(entity), "Open CASCADE makes no shape of it" + fault_of_surface(entity, transfer));
   }
 }
 
