@@ -62,19 +62,49 @@ std::string fault_of_surface(const Entity& entity, const std::vector<Said>& all)
   return {};
 }
 
-bool is_left_out(const std::string& message) { return message.find("not mapped") != std::string::npos; }
+// "#243 AdvancedFace".
+std::string name_of(const Handle(Interface_InterfaceModel) & model, const Entity& entity) {
+  const std::string label = label_of(model, entity);
+  return label.empty() ? std::string("file") : fmt::format("{} {}", label, type_of(entity));
+}
+
+bool holds(const std::string& text, const char* part) { return text.find(part) != text.npos; }
+
+// Messages after which members of an entity keep what their memory held before, or whole entities are passed over.
+bool leaves_numbers_unset(const Entity& entity, const std::string& message) {
+  const std::string type = entity.IsNull() ? "" : entity->DynamicType()->Name();
+  if (entity.IsNull() || type.starts_with("Interface_")) return holds(message, "Incorrect syntax");
+  const bool geometry = type.starts_with("StepGeom_") || type.starts_with("StepShape_");
+  const bool measure = type.starts_with("StepBasic_") || type.starts_with("StepRepr_");
+  if ((geometry || measure) && (holds(message, "not a Real") || holds(message, "not an Integer"))) return true;
+  return geometry && (holds(message, "Count of Parameters is not") || holds(message, "numeration") ||
+                      ((holds(message, "not a Boolean") || holds(message, "not a Logical")) && !holds(message, "set to")));
+}
+
+bool is_left_out(const std::string& message) { return holds(message, "not mapped"); }
 
 }  // namespace
 
-void report_checks(const Handle(XSControl_WorkSession) & session, Model& model) {
-  // Entities that break the format.
-  const auto name = [&](const Entity& entity) {
-    const std::string label = label_of(session->Model(), entity);
-    return label.empty() ? std::string("file") : fmt::format("{} {}", label, type_of(entity));
-  };
+std::optional<Unreadable> unreadable_geometry(const Handle(XSControl_WorkSession) & session) {
   for (const Said& said : all_of(session->ModelCheckList(), session->Model()))
     for (int i = 1; i <= said.check->NbFails(); ++i)
-      model.report(Problem::Kind::note, name(said.entity), "not as the format wants it: " + trimmed(said.check->CFail(i)));
+      if (leaves_numbers_unset(said.entity, said.check->CFail(i)))
+        return Unreadable{label_of(session->Model(), said.entity),
+                          (said.entity.IsNull() ? "" : type_of(said.entity) + ": ") + trimmed(said.check->CFail(i))};
+  return std::nullopt;
+}
+
+void report_checks(const Handle(XSControl_WorkSession) & session, Model& model) {
+  // Entities, and lines of an IGES file, that break the format.
+  const auto name = [&](const Entity& entity) { return name_of(session->Model(), entity); };
+  for (const Said& said : all_of(session->ModelCheckList(), session->Model()))
+    for (int i = 1; i <= said.check->NbFails(); ++i) {
+      const std::string message = trimmed(said.check->CFail(i));
+      if (message.starts_with("Syntax error in IGES file"))
+        model.report(Problem::Kind::note, message, "lines that are not as the format wants them");
+      else
+        model.report(Problem::Kind::note, name(said.entity), "not as the format wants it: " + message);
+    }
 
   // Entities that did not become shapes. In IGES every failure stands for one, in STEP a warning says so.
   const auto transfer = all_of(session->TransferReader()->TransientProcess()->CheckList(Standard_False), session->Model());

@@ -140,6 +140,8 @@ Result<Model> read_step_document(const std::string& path) {
   reader.SetNameMode(Standard_True);
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
   if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) return bad_input(path, "", "damaged STEP file: its data section cannot be parsed");
+  if (const auto unreadable = occt::unreadable_geometry(reader.Reader().WS()))
+    return bad_input(path, unreadable->entity, "damaged STEP file: " + unreadable->message);
   ModelBuilder builder(path, "STEP");
   TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
   reader.ChangeReader().FileUnits(lengths, angles, solid_angles);

@@ -191,6 +191,9 @@ Result<Model> read_model(const std::string& path) {
   if (faces == 0) return bad_input(path, "", reason_for_no_faces(*model));
   mend_tolerances(*model);
   finish(*model);
+  // Trim loops may leave nothing of any face.
+  if (const Box3 box = box_of(*model); box.empty() || !finite(box.lo) || !finite(box.hi))
+    return bad_input(path, "", box.empty() ? "the trim loops leave nothing of its faces" : "the size of the model is not finite");
   return model;
 }
 

@@ -1,10 +1,14 @@
 #include "patches/io/text_check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <unordered_set>
+#include <vector>
 
 #include "patches/io/text_input.h"
 
@@ -102,6 +106,40 @@ bool is_brep_word(std::string_view word) {
 
 }  // namespace
 
+namespace {
+
+// Every entity is defined once, and every reference is to one that is defined: where they are not, Open CASCADE may loop for ever while it
+// numbers the entities, depending on what its memory held before.
+Status check_step_references(const std::string& path, std::string_view text) {
+  std::unordered_set<std::string_view> defined;
+  std::vector<std::string_view> references;
+  for (std::size_t at = 0; at < text.size();) {
+    if (const std::size_t past = past_quotes(text, at); past != at) {
+      at = past;
+      continue;
+    }
+    if (text[at++] != '#') continue;
+    std::size_t begin = at;
+    while (begin + 1 < text.size() && text[begin] == '0') ++begin;
+    const std::size_t end = std::min(text.find_first_not_of("0123456789", begin), text.size());
+    if (end == at) continue;
+    const std::string_view number = text.substr(begin, end - begin);
+    at = end;
+    while (at < text.size() && is_blank(text[at])) ++at;
+    if (at == text.size() || text[at] != '=')
+      references.push_back(number);
+    else if (!defined.insert(number).second)
+      return bad_input(path, std::to_string(line_at(text, begin)), fmt::format("damaged STEP file: entity #{} is defined twice", number));
+  }
+  for (const std::string_view number : references)
+    if (!defined.contains(number))
+      return bad_input(path, std::to_string(line_at(text, static_cast<std::size_t>(number.data() - text.data()))),
+                       fmt::format("damaged STEP file: found #{}, expected an entity that is defined in the file", number));
+  return Done{};
+}
+
+}  // namespace
+
 Status check_step_text(const std::string& path, std::string_view text) {
   // Values stand after '(' or ',' and end before ',' or ')'.
   std::string_view type;
@@ -126,7 +164,7 @@ Status check_step_text(const std::string& path, std::string_view text) {
       return bad_input(path, std::to_string(line_at(text, begin)), "found " + quoted(word) + ", expected a number of sensible size");
     at = begin;
   }
-  return Done{};
+  return check_step_references(path, text);
 }
 
 Status check_brep_text(const std::string& path, std::string_view text) {
