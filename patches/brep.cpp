@@ -17,31 +17,6 @@ void Model::report(Problem::Kind kind, std::string entity, std::string what) {
   problems.push_back({kind, std::move(entity), std::move(what), 1});
 }
 
-// ---- boxes -------------------------------------------------------------------------------------------------------------
-
-namespace {
-
-bool closed_form(const AnySurface& s) {
-  return std::holds_alternative<Plane>(s) || std::holds_alternative<Cylinder>(s) || std::holds_alternative<Cone>(s) ||
-         std::holds_alternative<Sphere>(s) || std::holds_alternative<Torus>(s);
-}
-
-// Box of what the trim loops leave of a face, from the cells that are not outside.
-Box3 box_of_face(const Face& face, const std::vector<Edge>& edges) {
-  const TrimRegion trim(face, edges, 0.0);
-  if (closed_form(face.surface)) return trimmed_box(face, trim);
-  Box3 box;
-  CellPolicy coarse;
-  coarse.bend = 0.5;
-  coarse.most_levels = 8;
-  std::vector<FaceCell> cells;
-  for (const BezierPiece& piece : bezier_pieces(face.surface, face.domain)) divide(piece, 0, trim, coarse, cells);
-  for (const FaceCell& cell : cells) box.include(cell.box);
-  return box;
-}
-
-}  // namespace
-
 // ---- gaps between the faces of an edge ---------------------------------------------------------------------------------
 
 namespace {
@@ -179,7 +154,7 @@ void finish(Model& model) {
   for (std::size_t k = 0; k < model.parts.size(); ++k) {
     Part& part = model.parts[k];
     Box3 rough;
-    for (const Face& face : part.faces) rough.include(box_of_face(face, part.edges));
+    for (const Face& face : part.faces) rough.include(trimmed_box(face, TrimRegion(face, part.edges, 0.0)));
     const Vec3 origin = rough.empty() ? Vec3(0.0) : rough.middle();
     for (Face& face : part.faces) translate(face.surface, -origin);
     part.box = rough.empty() ? rough : Box3{rough.lo - origin, rough.hi - origin};

@@ -176,11 +176,26 @@ void divide(const BezierPiece& piece, int piece_index, const TrimRegion& trim, c
   }
 }
 
-Box3 trimmed_box(const Face& face, const TrimRegion& trim) {
+namespace {
+
+Box3 box_of_cells(const Face& face, const TrimRegion& trim) {
+  CellPolicy coarse;
+  coarse.bend = 0.5;
+  coarse.most_levels = 8;
+  std::vector<FaceCell> cells;
+  for (const BezierPiece& piece : bezier_pieces(face.surface, face.domain)) divide(piece, 0, trim, coarse, cells);
   Box3 box;
-  if (trim.untrimmed()) {
-    box = bounds(face.surface, face.domain);
-  } else if (std::holds_alternative<Plane>(face.surface)) {
+  for (const FaceCell& cell : cells) box.include(cell.box);
+  return box;
+}
+
+}  // namespace
+
+Box3 trimmed_box(const Face& face, const TrimRegion& trim) {
+  if (!has_closed_form_bounds(face.surface)) return box_of_cells(face, trim);
+  if (trim.untrimmed()) return bounds(face.surface, face.domain);
+  Box3 box;
+  if (std::holds_alternative<Plane>(face.surface)) {
     for (const UV& uv : trim.hull()) box.include(point(face.surface, uv));
   } else {
     for (const Box2& cell : trim.cover()) box.include(bounds(face.surface, cell));

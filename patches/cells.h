@@ -31,8 +31,8 @@ struct CellPolicy {
 // Appends the cells of one piece that are not outside the trim loops.
 void divide(const BezierPiece& piece, int piece_index, const TrimRegion& trim, const CellPolicy& policy, std::vector<FaceCell>& cells);
 
-// A guaranteed box of what the trim loops leave of a plane, cylinder, cone, sphere or torus: tight for planes, for the others to a cell of
-// the trim grid. Without what tolerances add (TrimRegion::largest_reach).
+// A guaranteed box of what the trim loops leave of a face: tight for planes, to a cell of the trim grid for the other closed forms, to the
+// hulls of coarse cells for the rest. Without what tolerances add (TrimRegion::largest_reach).
 Box3 trimmed_box(const Face& face, const TrimRegion& trim);
 
 }  // namespace iso

@@ -11,9 +11,6 @@ namespace {
 // Certificates: below kFast the linear model's root is close enough to start Newton; below kCertified subdivision stops.
 constexpr double kFast = 0.7;
 constexpr double kCertified = 0.6;
-// Below this the map is one-to-one also well beyond the border (the strays grow with the window), so a root found outside proves that there
-// is none inside. Above it, such an end proves nothing and the window is divided.
-constexpr double kOneToOneAround = 0.3;
 constexpr int kMostNewtonSteps = 16;
 constexpr int kMostCells = 20000;
 // A root may lie beyond the border of its leaf by this share of the leaf: neighbours overlap, duplicates are removed by whoever counts.
@@ -63,6 +60,18 @@ PlaneJet plane_jet(const BezierPatch& patch, const LocalRay& ray, const Vec2& st
   return p;
 }
 
+// The point of the window at which |F| is least, to first order, for a root `ab` just beyond the border. Where the ray grazes, the plane
+// equations are met to rounding along a valley that crosses the border elsewhere than beside the root.
+Vec2 nearest_on_border(const Vec2& ab, const Mat2& J) {
+  Vec2 held = glm::clamp(ab, Vec2(-1.0), Vec2(1.0));
+  const Vec2 a{J.a, J.c}, b{J.b, J.d}, move = held - ab;
+  if (move.y == 0)
+    held.y -= glm::dot(a, b) / glm::dot(b, b) * move.x;
+  else if (move.x == 0)
+    held.x -= glm::dot(a, b) / glm::dot(a, a) * move.y;
+  return glm::clamp(held, Vec2(-1.0), Vec2(1.0));
+}
+
 enum class NewtonEnd { converged, left_window, failed };
 
 // Newton from ab on the true polynomials. Converged: residual at rounding level, or the last step so small that the next would vanish.
@@ -89,7 +98,7 @@ NewtonEnd newton(const BezierPatch& patch, const LocalRay& ray, const Window& wi
       if (std::max(std::abs(ab.x), std::abs(ab.y)) <= 1 + kBorder) return NewtonEnd::converged;
       if (std::abs(ab.x) > 1 + border.x || std::abs(ab.y) > 1 + border.y) return NewtonEnd::left_window;
       // Beyond the border by what rounding may do: it is a root of the window if the border itself meets the ray to rounding.
-      const Vec2 held = window.to_unit(glm::clamp(ab, Vec2(-1.0), Vec2(1.0)));
+      const Vec2 held = window.to_unit(nearest_on_border(ab, J));
       const PlaneJet at_border = plane_jet(patch, ray, held);
       root = {held, ray.t_of(project(at_border.jet.H)), HitStatus::converged, static_cast<std::uint16_t>(step)};
       return glm::length(at_border.F) <= 4 * rounding ? NewtonEnd::converged : NewtonEnd::left_window;
@@ -99,6 +108,27 @@ NewtonEnd newton(const BezierPatch& patch, const LocalRay& ray, const Window& wi
     ab = glm::clamp(ab + delta, Vec2(-1.5), Vec2(1.5));
   }
   return NewtonEnd::failed;
+}
+
+// What is proven of F over a window: x -> x - inverse F(x) contracts by rho in the norm max |x_i| / weights_i.
+struct Certificate {
+  Mat2 inverse;
+  Vec2 weights{1.0};
+  double rho = 1;
+};
+
+// Newton ended at `outside`, a root beyond the window. That does not rule out another one inside, this does: a root r of the window lies
+// within rho / (1 - rho) |z - y| of z = y - inverse F(y), for the window's point y nearest to `outside`; so none exists if that ball misses
+// the window. `border` is what rounding may do: the root found is the same one, on the side of the neighbour.
+bool proves_empty(const BezierPatch& patch, const LocalRay& ray, const Window& window, const Certificate& c, const Vec2& outside,
+                  const Vec2& border, bool times_weight) {
+  if (!(c.rho < 1)) return false;
+  const Vec2 y = glm::clamp((outside - window.middle) / window.half, Vec2(-1.0), Vec2(1.0));
+  const PlaneJet p = plane_jet(patch, ray, window.to_unit(y));
+  const Vec2 step = c.inverse.times((times_weight ? p.jet.H.w : 1.0) * p.F), z = y - step;
+  const double moved = std::max(std::abs(step.x) / c.weights.x, std::abs(step.y) / c.weights.y);
+  const Vec2 radius = c.weights * (c.rho / (1 - c.rho) * moved);
+  return std::abs(z.x) > 1 - border.x + radius.x || std::abs(z.y) > 1 - border.y + radius.y;
 }
 
 // ---- subdivision -------------------------------------------------------------------------------------------------------
@@ -203,6 +233,13 @@ class Subdivision {
     return band.lo > 2 * rounding || band.hi < -2 * rounding;
   }
 
+  // In the norm of the eigenvector the contraction is the eigenvalue; where that is degenerate, in the plain norm the largest row sum.
+  static Certificate certificate_of(const Mat2& M, const Mat2& inverse, double eigenvalue) {
+    const Vec2 vector{M.b, eigenvalue - M.a};
+    if (vector.x > 1e-12 * eigenvalue && vector.y > 1e-12 * eigenvalue) return {inverse, vector, eigenvalue};
+    return {inverse, Vec2(1.0), std::max(M.a + M.b, M.c + M.d)};
+  }
+
   // True if the window holds no root, or one that has been found. Else `direction` is the one to split.
   bool certified(const Vec2* net, const Window& window, int& direction) {
     const int pu = patch_.pu, pv = patch_.pv;
@@ -243,8 +280,10 @@ class Subdivision {
     if (std::abs(linear.x) > (1 + border.x) * (1 + kappa.x) || std::abs(linear.y) > (1 + border.y) * (1 + kappa.y)) return true;
     Root root;
     const NewtonEnd end = newton(patch_, ray_, window, linear, border, stats_, root);
-    if (end == NewtonEnd::failed || (end == NewtonEnd::left_window && contraction > kOneToOneAround)) return false;
-    if (end == NewtonEnd::converged) add({root.st, root.t, HitStatus::fallback, root.steps});
+    if (end == NewtonEnd::failed) return false;
+    if (end == NewtonEnd::left_window)
+      return proves_empty(patch_, ray_, window, certificate_of(M, inverse, contraction), root.st, border, true);
+    add({root.st, root.t, HitStatus::fallback, root.steps});
     return true;
   }
 
@@ -338,7 +377,11 @@ void roots_in_leaf(const LeafPatch& patch, const Leaf& leaf, const LocalRay& ray
       Root root;
       const NewtonEnd end = newton(patch.piece.patch, ray, window_of(leaf), glm::clamp(linear, Vec2(-1.0), Vec2(1.0)), border, stats, root);
       if (end == NewtonEnd::converged) roots.push_back(root);
-      if (end == NewtonEnd::converged || (end == NewtonEnd::left_window && contraction <= kOneToOneAround)) return;
+      if (end == NewtonEnd::converged) return;
+      // The eigenvector of the outer product is `reach` itself.
+      const Certificate certificate{inverse, reach, contraction};
+      if (end == NewtonEnd::left_window && proves_empty(patch.piece.patch, ray, window_of(leaf), certificate, root.st, border, false))
+        return;
     }
   }
   ++stats.fallbacks;

@@ -30,7 +30,8 @@ Leaf make_leaf(const FaceCell& cell, std::uint32_t patch) {
   return leaf;
 }
 
-bool closed_form(const AnySurface& s) {
+// What the tracer meets in closed form (analytic_solve.h).
+bool met_in_closed_form(const AnySurface& s) {
   return std::holds_alternative<Plane>(s) || std::holds_alternative<Cylinder>(s) || std::holds_alternative<Cone>(s) ||
          std::holds_alternative<Sphere>(s);
 }
@@ -67,7 +68,7 @@ PartGeometry make_geometry(const Part& part) {
   for (std::uint32_t i = 0; i < part.faces.size(); ++i) {
     const Face& face = part.faces[i];
     geometry.trims.emplace_back(face, part.edges, kTrimRounding * size);
-    if (closed_form(face.surface))
+    if (met_in_closed_form(face.surface))
       add_analytic(geometry, i, face, geometry.trims.back());
     else
       add_patches(geometry, i, face, geometry.trims.back(), size);

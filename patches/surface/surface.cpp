@@ -185,6 +185,10 @@ Point3 point(const AnySurface& surface, UV uv) {
       surface);
 }
 
+bool has_closed_form_bounds(const AnySurface& surface) {
+  return std::visit([](const auto& s) { return Framed<std::decay_t<decltype(s)>>; }, surface);
+}
+
 Box3 bounds(const AnySurface& surface, const Box2& uv) {
   return std::visit(
       [&](const auto& s) -> Box3 {

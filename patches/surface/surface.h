@@ -96,6 +96,9 @@ struct Curvatures {
 };
 Curvatures principal_curvatures(const Jet2& jet, const Vec3& normal);
 
+// Whether `bounds` is one interval evaluation (plane, cylinder, cone, sphere, torus) rather than the hull of all Bezier pieces.
+bool has_closed_form_bounds(const AnySurface& surface);
+
 // A guaranteed box of S over `uv` (finite).
 Box3 bounds(const AnySurface& surface, const Box2& uv);
 
