@@ -100,7 +100,7 @@ double bound_rational(const BezierPatch& patch, const LinearModel& m, int direct
       worst = std::max(worst, glm::length(raised - mean * w2) / (fu[i] * fv[j]));
       least = std::min(least, w2 / (fu[i] * fv[j]));
     }
-  return worst / least;
+  return least > 0 ? worst / least : kInf;
 }
 
 // Half-width derivatives of S.
@@ -113,8 +113,11 @@ Slopes slopes(const BezierPatch& patch, const Vec2& st) {
   return {0.5 * (Vec3(j.Hs) - j.Hs.w * S) / j.H.w, 0.5 * (Vec3(j.Ht) - j.Ht.w * S) / j.H.w};
 }
 
+// The model over [-kCellMargin, kCellMargin]^2, for a patch over that square; all derivatives count in the cell's own parameters.
 LinearModel model_of(const BezierPatch& patch) {
   LinearModel m;
+  for (const Vec4& h : patch.net)
+    if (!(h.w > 0)) m.stray_a = m.stray_b = kInf;  // beyond its border a rational patch may have a pole
   m.centre = project(homogeneous_jet(patch, {0.5, 0.5}).H);
   const Slopes middle = slopes(patch, {0.5, 0.5});
   m.A = middle.a;
@@ -132,7 +135,38 @@ LinearModel model_of(const BezierPatch& patch) {
   };
   m.along_s = variation({0, 0.5}, {0.5, 0.5}) + variation({0.5, 0.5}, {1, 0.5});
   m.along_t = variation({0.5, 0}, {0.5, 0.5}) + variation({0.5, 0.5}, {0.5, 1});
+  for (Vec3* slope : {&m.A, &m.B}) *slope /= kCellMargin;
+  m.stray_a /= kCellMargin;
+  m.stray_b /= kCellMargin;
   return m;
+}
+
+// The patch beyond its borders by the margin.
+BezierPatch with_margin(const BezierPatch& patch) {
+  constexpr double kBeyond = 0.5 * (kCellMargin - 1);
+  return part_of(patch, Vec2(-kBeyond), Vec2(1 + kBeyond));
+}
+
+Slab slab_of(const BezierPatch& patch, const LinearModel& m) {
+  const auto unit_or = [](const Vec3& v, const Vec3& other) { return glm::length(v) > 0 ? glm::normalize(v) : other; };
+  const Vec3 cross = glm::cross(m.A, m.B);
+  const double area = glm::length(cross);
+  Slab slab;
+  if (area > 1e-6 * glm::length(m.A) * glm::length(m.B)) {
+    slab.row[0] = glm::cross(m.B, cross) / (area * area);
+    slab.row[1] = glm::cross(cross, m.A) / (area * area);
+    slab.row[2] = cross / area;
+  } else {  // a collapsed cell: any box will do
+    const Vec3 along = glm::length(m.A) >= glm::length(m.B) ? m.A : m.B;
+    const double inverse = 1 / std::max(glm::length(along), 1e-300);
+    const Vec3 unit = unit_or(along, {1, 0, 0}), across = any_perpendicular(unit);
+    slab.row[0] = unit * inverse;
+    slab.row[1] = across * inverse;
+    slab.row[2] = glm::cross(unit, across);
+  }
+  for (const Vec4& h : patch.net)
+    for (int k = 0; k < 3; ++k) slab.reach[k].include(glm::dot(slab.row[k], project(h) - m.centre));
+  return slab;
 }
 
 // The contraction of Newton's map over the cell for a head-on ray: the strays against the heights of A and B over each other.
@@ -157,10 +191,11 @@ void divide(const BezierPiece& piece, int piece_index, const TrimRegion& trim, c
     const TrimRegion::Kind kind = trim.classify(native_box(piece, node));
     if (kind == TrimRegion::Kind::outside) continue;
     const Box3 box = hull_box(node.patch);
-    const LinearModel m = model_of(node.patch);
+    const LinearModel m = model_of(with_margin(node.patch));
+    const double bend = bend_of(m);
     const bool last = node.levels >= policy.most_levels || (node.levels >= 6 && box.diagonal() < policy.small);
-    if (last || bend_of(m) <= policy.bend) {
-      cells.push_back({piece_index, node.lo, node.hi, m.centre, m.A, m.B, m.stray_a, m.stray_b, box, kind});
+    if (last || bend <= policy.bend) {
+      cells.push_back({piece_index, node.lo, node.hi, m.centre, m.A, m.B, m.stray_a, m.stray_b, bend, box, slab_of(node.patch, m), kind});
       continue;
     }
     const Vec2 width = node.hi - node.lo;

@@ -10,20 +10,33 @@
 
 namespace iso {
 
-// Over the cell, with (a, b) in [-1, 1]^2 its own parameters: |dS/da - A| <= stray_a and |dS/db - B| <= stray_b (3-vectors).
+// A parallelepiped around a cell, square to its tangents: row . (p - centre) lies in `reach`. The first two rows give the cell's own
+// parameters of p in its linear model, the third is the unit normal.
+struct Slab {
+  Vec3 row[3];
+  Range reach[3];
+};
+
+// Over |a|, |b| <= kCellMargin, with (a, b) in [-1, 1]^2 the cell's own parameters: |dS/da - A| <= stray_a, |dS/db - B| <= stray_b
+// (3-vectors).
 struct FaceCell {
   int piece = 0;          // index into the face's Bezier pieces
   Vec2 lo{0.0}, hi{1.0};  // dyadic box in the piece's unit square
   Point3 centre{0.0};
   Vec3 A{0.0}, B{0.0};
   double stray_a = 0, stray_b = 0;
-  Box3 box;  // of the hull of the control points
+  double bend = kInf;  // the contraction of Newton's map for a ray along the normal; for others it is this over the cosine
+  Box3 box;            // of the hull of the control points
+  Slab slab;           // of the same hull
   TrimRegion::Kind kind = TrimRegion::Kind::inside;
 };
 
+// What is proven of a cell holds a quarter of its half width beyond its borders: a root found there rules out another one inside.
+inline constexpr double kCellMargin = 1.25;
+
 // How fine to divide.
 struct CellPolicy {
-  double bend = 0.2;     // split until stray / (size of A and B at right angles) is below this
+  double bend = 0.25;    // split until FaceCell::bend is below this
   double small = 1e-3;   // a cell smaller than this (world units) that still bends is degenerate: left to the solver's fallback
   int most_levels = 18;  // binary splits in all
 };

@@ -1,6 +1,6 @@
 #include "raytracer/all_hits.h"
 
-#include "raytracer/lane.h"
+#include "raytracer/packet.h"
 
 namespace iso {
 

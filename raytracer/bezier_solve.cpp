@@ -8,8 +8,7 @@ namespace iso {
 
 namespace {
 
-// Certificates: below kFast the linear model's root is close enough to start Newton; below kCertified subdivision stops.
-constexpr double kFast = 0.7;
+// Subdivision stops at windows where Newton's map contracts by this.
 constexpr double kCertified = 0.6;
 constexpr int kMostNewtonSteps = 16;
 constexpr int kMostCells = 20000;
@@ -94,13 +93,13 @@ NewtonEnd newton(const BezierPatch& patch, const LocalRay& ray, const Window& wi
       const Vec2 move = at_rounding && size > 1e-6 ? Vec2(0.0) : delta;
       ab += move;
       const Vec4 h = p.jet.H + window.half.x * move.x * p.jet.Hs + window.half.y * move.y * p.jet.Ht;
-      root = {window.to_unit(ab), ray.t_of(project(h)), HitStatus::converged, static_cast<std::uint16_t>(step)};
+      root = {window.to_unit(ab), ray.t_of(project(h)), HitStatus::fallback, static_cast<std::uint16_t>(step)};
       if (std::max(std::abs(ab.x), std::abs(ab.y)) <= 1 + kBorder) return NewtonEnd::converged;
       if (std::abs(ab.x) > 1 + border.x || std::abs(ab.y) > 1 + border.y) return NewtonEnd::left_window;
       // Beyond the border by what rounding may do: it is a root of the window if the border itself meets the ray to rounding.
       const Vec2 held = window.to_unit(nearest_on_border(ab, J));
       const PlaneJet at_border = plane_jet(patch, ray, held);
-      root = {held, ray.t_of(project(at_border.jet.H)), HitStatus::converged, static_cast<std::uint16_t>(step)};
+      root = {held, ray.t_of(project(at_border.jet.H)), HitStatus::fallback, static_cast<std::uint16_t>(step)};
       return glm::length(at_border.F) <= 4 * rounding ? NewtonEnd::converged : NewtonEnd::left_window;
     }
     if (!(size < 1e3) || (step > 4 && size > 2 * last_step)) return NewtonEnd::failed;
@@ -121,11 +120,11 @@ struct Certificate {
 // within rho / (1 - rho) |z - y| of z = y - inverse F(y), for the window's point y nearest to `outside`; so none exists if that ball misses
 // the window. `border` is what rounding may do: the root found is the same one, on the side of the neighbour.
 bool proves_empty(const BezierPatch& patch, const LocalRay& ray, const Window& window, const Certificate& c, const Vec2& outside,
-                  const Vec2& border, bool times_weight) {
+                  const Vec2& border) {
   if (!(c.rho < 1)) return false;
   const Vec2 y = glm::clamp((outside - window.middle) / window.half, Vec2(-1.0), Vec2(1.0));
   const PlaneJet p = plane_jet(patch, ray, window.to_unit(y));
-  const Vec2 step = c.inverse.times((times_weight ? p.jet.H.w : 1.0) * p.F), z = y - step;
+  const Vec2 step = c.inverse.times(p.jet.H.w * p.F), z = y - step;
   const double moved = std::max(std::abs(step.x) / c.weights.x, std::abs(step.y) / c.weights.y);
   const Vec2 radius = c.weights * (c.rho / (1 - c.rho) * moved);
   return std::abs(z.x) > 1 - border.x + radius.x || std::abs(z.y) > 1 - border.y + radius.y;
@@ -281,9 +280,8 @@ class Subdivision {
     Root root;
     const NewtonEnd end = newton(patch_, ray_, window, linear, border, stats_, root);
     if (end == NewtonEnd::failed) return false;
-    if (end == NewtonEnd::left_window)
-      return proves_empty(patch_, ray_, window, certificate_of(M, inverse, contraction), root.st, border, true);
-    add({root.st, root.t, HitStatus::fallback, root.steps});
+    if (end == NewtonEnd::left_window) return proves_empty(patch_, ray_, window, certificate_of(M, inverse, contraction), root.st, border);
+    add(root);
     return true;
   }
 
@@ -344,46 +342,13 @@ thread_local std::vector<Vec2> Subdivision::nets_;
 thread_local std::vector<Window> Subdivision::windows_;
 
 Window window_of(const Leaf& leaf) {
-  constexpr double kUnit = 1.0 / 4096;
-  const Vec2 half{0.5 * kUnit * leaf.size[0], 0.5 * kUnit * leaf.size[1]};
-  return {Vec2{(leaf.corner >> 16) * kUnit, (leaf.corner & 0xffffu) * kUnit} + half, half};
+  const Vec2 half{0.5 / static_cast<double>(1u << leaf.level[0]), 0.5 / static_cast<double>(1u << leaf.level[1])};
+  return {Vec2{(leaf.corner >> 16) / kLeafGrid, (leaf.corner & 0xffffu) / kLeafGrid} + half, half};
 }
-
-Vec3 load(const float v[3]) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
 void roots_in_leaf(const LeafPatch& patch, const Leaf& leaf, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots) {
-  ++stats.leaf_visits;
-  const Vec3 centre = load(leaf.centre), A = load(leaf.A), B = load(leaf.B);
-  const Vec2 F{glm::dot(ray.n1, centre) - ray.d1, glm::dot(ray.n2, centre) - ray.d2};
-  const Mat2 J{glm::dot(ray.n1, A), glm::dot(ray.n1, B), glm::dot(ray.n2, A), glm::dot(ray.n2, B)};
-  Mat2 inverse;
-  if (invert(J, inverse)) {
-    const Vec2 reach = row_lengths(inverse);
-    // |J0^-1| E is the outer product of `reach` and the strays: its only eigenvalue is their scalar product.
-    const Vec2 kappa = reach * (static_cast<double>(leaf.stray_a) + leaf.stray_b);
-    const double contraction = reach.x * leaf.stray_a + reach.y * leaf.stray_b;
-    const Vec2 border = kBorder + 16 * kEps * ray.scale * reach;
-    if (contraction < kFast && std::max(border.x, border.y) <= kDoubtfulBorder) {
-      const Vec2 linear = -inverse.times(F);
-      // The float record's own error moves the linear root by reach times the rounding of the centre.
-      const Vec2 limit = (1.0 + border) * (1.0 + kappa) + 4e-7 * ray.scale * reach;
-      if (std::abs(linear.x) > limit.x || std::abs(linear.y) > limit.y) {
-        ++stats.slab_rejects;
-        return;
-      }
-      ++stats.solves;
-      Root root;
-      const NewtonEnd end = newton(patch.piece.patch, ray, window_of(leaf), glm::clamp(linear, Vec2(-1.0), Vec2(1.0)), border, stats, root);
-      if (end == NewtonEnd::converged) roots.push_back(root);
-      if (end == NewtonEnd::converged) return;
-      // The eigenvector of the outer product is `reach` itself.
-      const Certificate certificate{inverse, reach, contraction};
-      if (end == NewtonEnd::left_window && proves_empty(patch.piece.patch, ray, window_of(leaf), certificate, root.st, border, false))
-        return;
-    }
-  }
   ++stats.fallbacks;
   Subdivision(patch, ray, stats, roots).run(window_of(leaf));
 }

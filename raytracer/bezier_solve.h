@@ -1,10 +1,9 @@
-// All meets of a ray with one leaf of a rational Bezier patch.
+// All meets of a ray with one leaf of a rational Bezier patch, by subdivision: slow, and never wrong.
 //
-// The ray is the meet of two planes; in homogeneous form their two equations f = n . P - d w are polynomials in (s, t).  [Kajiya 1982;
-// Martin et al. 2000] Over the leaf the Jacobian of (f, g) differs from that of the linear model by at most the leaf's strays E. If |J0^-1|
-// E < 1 the map is one-to-one there: a ray has at most one root, the linear root tells how far off it can be (so most rays end without an
-// evaluation), and Newton finds it. Where the certificate fails (grazing rays, silhouettes, poles) the two polynomials themselves are
-// subdivided, with the same test on their own coefficients, until every part is empty, certified, or as small as rounding: no root is lost.
+// The two plane equations of the ray (leaf_kernel.h) are Bernstein polynomials over the leaf. They are subdivided until every part is empty
+// (the origin lies outside the hull of its coefficients), certified, or as small as rounding. A part is certified where its Jacobian
+// differs from that of its linear model by E with |J0^-1| E < 1: the map is one-to-one there, so the part has at most one root, and Newton
+// finds it or proves that there is none. No root is lost: grazing rays, silhouettes, poles and several roots at once end here.
 #pragma once
 
 #include <vector>

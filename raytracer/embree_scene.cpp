@@ -1,8 +1,8 @@
 // The only file that includes Embree: user geometry over leaves, closed-form faces and placed parts, and the batches of rays through them.
 //
 // Embree sees float boxes, rounded outward, and float rays that start on the box they enter; every decision is taken in double from the
-// ray's own record (`Lane`). Placed parts are user geometry too, not Embree instances: their callback moves the ray into the part's
-// coordinates in double and traces the part's scene from there, so a small part far away is met as exactly as one at the origin.
+// packet's own record. Placed parts are user geometry too, not Embree instances: their callback moves the rays into the part's coordinates
+// in double and traces the part's scene from there, so a small part far away is met as exactly as one at the origin.
 #include <embree3/rtcore.h>
 
 #include <array>
@@ -13,14 +13,12 @@
 #include <map>
 
 #include "raytracer/all_hits.h"
-#include "raytracer/lane.h"
+#include "raytracer/packet.h"
 #include "raytracer/tracer.h"
 
 namespace iso {
 
 namespace {
-
-constexpr unsigned kWidth = 16;
 
 struct PartScene {
   PartGeometry geometry;
@@ -35,11 +33,10 @@ struct PlacedPart {
 
 struct Context {
   RTCIntersectContext embree;
-  Search search;
+  Packet packet;
+  bool coherent = true;
   const PlacedPart* placed = nullptr;  // all of them
-  Vec3 centre{0.0};                    // of the world, for the float rays of the top level
-  std::array<double, kWidth> top_shift{}, top_length{};
-  double top_slack = 0;  // left behind the limit of top-level rays against float rounding, in world units
+  LocalRays top;                       // the rays in the world, for the top level
 };
 
 float rounded_up(double x) {
@@ -62,154 +59,134 @@ void set_box(RTCBounds* out, const Box3& box) {
 // ---- callbacks ---------------------------------------------------------------------------------------------------------
 
 // The float ray starts `slack` before the local ray, and as much is left behind the limit, against the rounding of both.
-float far_limit(const Lane& lane) { return rounded_up((lane.limit() - lane.shift) * lane.length + 2 * lane.slack); }
+float far_limit(const Packet& packet, const LocalRays& rays, int lane) {
+  return rounded_up((packet.limit[lane] - rays.shift[lane]) * rays.length[lane] + 2 * rays.slack);
+}
 
-template <bool (*meet)(Search&, Lane&, const PartGeometry&, std::uint32_t)>
+constexpr float kBlocked = -std::numeric_limits<float>::infinity();
+
+// The lanes of Embree's rays: its packets may be narrower than ours.
+LaneMask live_lanes(const int* valid, const RTCRayN* rays, unsigned n) {
+  LaneMask lanes = 0;
+  if (n == kWidth) {
+    for (unsigned i = 0; i < kWidth; ++i) lanes |= (valid[i] != 0 ? 1u : 0u) << i;
+    return lanes;
+  }
+  for (unsigned i = 0; i < n; ++i)
+    if (valid[i]) lanes |= 1u << RTCRayN_id(const_cast<RTCRayN*>(rays), n, i);
+  return lanes;
+}
+
+// Tells Embree and the kernels how far the rays of `changed` still reach.
+void shorten(const Packet& packet, LocalRays& local, LaneMask changed, RTCRayN* rays, unsigned n) {
+  for (unsigned i = 0; i < n; ++i) {
+    const unsigned lane = n == kWidth ? i : RTCRayN_id(rays, n, i);
+    if (!(changed >> lane & 1)) continue;
+    float& far = RTCRayN_tfar(rays, n, i);
+    far = packet.query == Query::occluded ? kBlocked : std::min(far, far_limit(packet, local, static_cast<int>(lane)));
+    local.far[lane] = far;
+  }
+}
+
+using Meet = LaneMask (*)(Packet&, LaneMask, const PartGeometry&, std::uint32_t);
+
+template <Meet meet>
+void meet_part(const int* valid, void* user, RTCIntersectContext* embree, RTCRayN* rays, unsigned n, unsigned primitive) {
+  Packet& packet = reinterpret_cast<Context*>(embree)->packet;
+  const LaneMask lanes = live_lanes(valid, rays, n) & ~packet.blocked;
+  if (!lanes) return;
+  const LaneMask changed = meet(packet, lanes, static_cast<const PartScene*>(user)->geometry, primitive);
+  if (changed) shorten(packet, packet.local, changed, rays, n);
+}
+template <Meet meet>
 void intersect_part(const RTCIntersectFunctionNArguments* args) {
-  auto& context = *reinterpret_cast<Context*>(args->context);
-  const auto& geometry = static_cast<const PartScene*>(args->geometryUserPtr)->geometry;
-  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
-  for (unsigned i = 0; i < args->N; ++i) {
-    if (!args->valid[i]) continue;
-    Lane& lane = context.search.lanes[RTCRayN_id(rays, args->N, i)];
-    if (meet(context.search, lane, geometry, args->primID))
-      RTCRayN_tfar(rays, args->N, i) = std::min(RTCRayN_tfar(rays, args->N, i), far_limit(lane));
-  }
+  meet_part<meet>(args->valid, args->geometryUserPtr, args->context, RTCRayHitN_RayN(args->rayhit, args->N), args->N, args->primID);
 }
-
-template <bool (*meet)(Search&, Lane&, const PartGeometry&, std::uint32_t)>
+template <Meet meet>
 void occlude_part(const RTCOccludedFunctionNArguments* args) {
-  auto& context = *reinterpret_cast<Context*>(args->context);
-  const auto& geometry = static_cast<const PartScene*>(args->geometryUserPtr)->geometry;
-  for (unsigned i = 0; i < args->N; ++i) {
-    if (!args->valid[i]) continue;
-    Lane& lane = context.search.lanes[RTCRayN_id(args->ray, args->N, i)];
-    if (!lane.blocked) meet(context.search, lane, geometry, args->primID);
-    if (lane.blocked) RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
-  }
-}
-
-void set_ray(RTCRayHit16& r, unsigned i, const Vec3& o, const Vec3& unit, double near, double far) {
-  r.ray.org_x[i] = static_cast<float>(o.x);
-  r.ray.org_y[i] = static_cast<float>(o.y);
-  r.ray.org_z[i] = static_cast<float>(o.z);
-  r.ray.dir_x[i] = static_cast<float>(unit.x);
-  r.ray.dir_y[i] = static_cast<float>(unit.y);
-  r.ray.dir_z[i] = static_cast<float>(unit.z);
-  r.ray.tnear[i] = static_cast<float>(near);
-  r.ray.tfar[i] = rounded_up(far);
-  r.ray.time[i] = 0;
-  r.ray.mask[i] = 0xffffffffu;
-  r.ray.id[i] = i;
-  r.ray.flags[i] = 0;
-  r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-  r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  meet_part<meet>(args->valid, args->geometryUserPtr, args->context, args->ray, args->N, args->primID);
 }
 
 // Lanes that take no part must still hold rays: Embree's narrower kernels look at all of them. These end before they begin.
-RTCRayHit16 idle_rays() {
-  RTCRayHit16 rays;
+void set_rays(RTCRayHit16& r, const LocalRays& rays, LaneMask lanes) {
+  std::memcpy(r.ray.org_x, rays.fo, sizeof rays.fo);
+  std::memcpy(r.ray.dir_x, rays.fd, sizeof rays.fd);
   for (unsigned i = 0; i < kWidth; ++i) {
-    set_ray(rays, i, Vec3(0.0), Vec3(0, 0, 1), 0, 0);
-    rays.ray.tnear[i] = std::numeric_limits<float>::infinity();
-    rays.ray.tfar[i] = -std::numeric_limits<float>::infinity();
+    const bool live = lanes >> i & 1;
+    r.ray.tnear[i] = live ? 0 : std::numeric_limits<float>::infinity();
+    r.ray.tfar[i] = live ? rays.far[i] : kBlocked;
+    r.ray.time[i] = 0;
+    r.ray.mask[i] = 0xffffffffu;
+    r.ray.id[i] = i;
+    r.ray.flags[i] = 0;
+    r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    if (!live)  // what stands there is of no ray
+      for (float* x : {r.ray.org_x, r.ray.org_y, r.ray.org_z, r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}) x[i] = 1;
   }
-  return rays;
 }
 
-RTCRayHit single(const RTCRayHit16& r, unsigned i) {
-  RTCRayHit s{};
-  s.ray = {r.ray.org_x[i],
-           r.ray.org_y[i],
-           r.ray.org_z[i],
-           r.ray.tnear[i],
-           r.ray.dir_x[i],
-           r.ray.dir_y[i],
-           r.ray.dir_z[i],
-           0.f,
-           r.ray.tfar[i],
-           0xffffffffu,
-           i,
-           0u};
+RTCRayHit single(const LocalRays& rays, unsigned i) {
+  RTCRayHit s;
+  s.ray = {
+      rays.fo[0][i], rays.fo[1][i], rays.fo[2][i], 0.f, rays.fd[0][i], rays.fd[1][i], rays.fd[2][i], 0.f, rays.far[i], 0xffffffffu, i, 0u};
   s.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  s.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   return s;
 }
 
 // Packets where at least this many lanes live and the rays are neighbours; single rays else.
 constexpr int kPacketFrom = 3;
 
-void trace(RTCScene scene, Context& context, RTCRayHit16& rays, const int* valid, bool packet) {
-  int live = 0;
-  for (unsigned i = 0; i < kWidth; ++i) live += valid[i] ? 1 : 0;
-  if (live == 0) return;
-  if (packet && live >= kPacketFrom) {
-    if (context.search.query == Query::occluded)
+void trace(RTCScene scene, Context& context, const LocalRays& local, LaneMask lanes) {
+  if (!lanes) return;
+  const bool occluded = context.packet.query == Query::occluded;
+  if (context.coherent && __builtin_popcount(lanes) >= kPacketFrom) {
+    alignas(64) RTCRayHit16 rays;
+    alignas(64) int valid[kWidth];
+    for (unsigned i = 0; i < kWidth; ++i) valid[i] = lanes >> i & 1 ? -1 : 0;
+    set_rays(rays, local, lanes);
+    if (occluded)
       rtcOccluded16(valid, scene, &context.embree, reinterpret_cast<RTCRay16*>(&rays.ray));
     else
       rtcIntersect16(valid, scene, &context.embree, &rays);
     return;
   }
-  for (unsigned i = 0; i < kWidth; ++i) {
-    if (!valid[i]) continue;
-    RTCRayHit one = single(rays, i);
-    if (context.search.query == Query::occluded)
+  for_each_lane(lanes, [&](int lane) {
+    RTCRayHit one = single(local, static_cast<unsigned>(lane));
+    if (occluded)
       rtcOccluded1(scene, &context.embree, &one.ray);
     else
       rtcIntersect1(scene, &context.embree, &one);
-  }
+  });
 }
 
-// Float rays start this share of the part's size before the local ray: a root may lie just before the box by rounding.
-constexpr double kStartSlack = 1e-6;
-
-// Traces lanes through one placed part. Each lane's ray is moved to where it enters the part's box first.
-void trace_placed(Context& context, int placed_index, const int* wanted, bool packet) {
+// Traces lanes through one placed part.
+void trace_placed(Context& context, int placed_index, LaneMask wanted) {
   const PlacedPart& placed = context.placed[placed_index];
   const PartGeometry& geometry = placed.part->geometry;
-  alignas(64) RTCRayHit16 rays = idle_rays();
-  alignas(64) int valid[kWidth];
-  for (unsigned i = 0; i < kWidth; ++i) {
-    valid[i] = 0;
-    if (!wanted[i]) continue;
-    Lane& lane = context.search.lanes[i];
-    const Vec3 o = placed.to_part.point(lane.o), d = placed.to_part.vector(lane.d);
-    double enter, leave;
-    if (!clip(geometry.box, o, d, lane.tmin, lane.limit(), enter, leave)) continue;
-    lane.shift = enter;
-    lane.length = glm::length(d);
-    lane.local = make_local_ray(o + enter * d, d, geometry.size);
-    lane.slack = kStartSlack * geometry.size;
-    set_ray(rays, i, lane.local.o - (lane.slack / lane.length) * d, d / lane.length, 0, (leave - enter) * lane.length + 2 * lane.slack);
-    valid[i] = -1;
-  }
-  const int before = context.search.current;
-  context.search.current = placed_index;
-  trace(placed.part->scene, context, rays, valid, packet);
-  context.search.current = before;
+  const LaneMask lanes = enter_part(context.packet, wanted, placed.to_part, geometry.box, geometry.size, context.packet.local);
+  const int before = context.packet.current;
+  context.packet.current = placed_index;
+  trace(placed.part->scene, context, context.packet.local, lanes);
+  context.packet.current = before;
 }
 
-template <class Args>
-void enter_placed(const Args* args, RTCRayN* rays) {
-  auto& context = *reinterpret_cast<Context*>(args->context);
-  alignas(64) int wanted[kWidth] = {};
-  for (unsigned i = 0; i < args->N; ++i)
-    if (args->valid[i] && !context.search.lanes[RTCRayN_id(rays, args->N, i)].blocked) wanted[RTCRayN_id(rays, args->N, i)] = -1;
-  trace_placed(context, static_cast<int>(args->primID), wanted, args->N > 1);
-  for (unsigned i = 0; i < args->N; ++i) {
-    if (!args->valid[i]) continue;
-    const unsigned id = RTCRayN_id(rays, args->N, i);
-    const Lane& lane = context.search.lanes[id];
-    float& far = RTCRayN_tfar(rays, args->N, i);
-    if (context.search.query == Query::occluded) {
-      if (lane.blocked) far = -std::numeric_limits<float>::infinity();
-    } else if (context.search.query == Query::nearest) {
-      far = std::min(far, rounded_up((lane.limit() - context.top_shift[id]) * context.top_length[id] + context.top_slack));
-    }
-  }
+void enter_placed(const int* valid, RTCIntersectContext* embree, RTCRayN* rays, unsigned n, unsigned primitive) {
+  auto& context = *reinterpret_cast<Context*>(embree);
+  const LaneMask wanted = live_lanes(valid, rays, n) & ~context.packet.blocked;
+  if (!wanted) return;
+  trace_placed(context, static_cast<int>(primitive), wanted);
+  // Whether a lane changed is not known here: all are told.
+  if (context.packet.query == Query::occluded)
+    shorten(context.packet, context.top, wanted & context.packet.blocked, rays, n);
+  else if (context.packet.query == Query::nearest)
+    shorten(context.packet, context.top, wanted, rays, n);
 }
-void intersect_placed(const RTCIntersectFunctionNArguments* args) { enter_placed(args, RTCRayHitN_RayN(args->rayhit, args->N)); }
-void occlude_placed(const RTCOccludedFunctionNArguments* args) { enter_placed(args, args->ray); }
+void intersect_placed(const RTCIntersectFunctionNArguments* args) {
+  enter_placed(args->valid, args->context, RTCRayHitN_RayN(args->rayhit, args->N), args->N, args->primID);
+}
+void occlude_placed(const RTCOccludedFunctionNArguments* args) {
+  enter_placed(args->valid, args->context, args->ray, args->N, args->primID);
+}
 
 // ---- building ----------------------------------------------------------------------------------------------------------
 
@@ -244,6 +221,8 @@ struct Tracer::Impl {
   std::vector<PlacedPart> placed;
   RTCScene top = nullptr;
   Vec3 centre{0.0};
+  Affine3 to_top;  // the top level's origin is the centre
+  double top_size = 0;
   Box3 box;
 
   Impl(TraceScene s, const std::string& configuration) : scene(std::move(s)) {
@@ -299,6 +278,8 @@ struct Tracer::Impl {
     if (!box.empty()) centre = box.middle();
     const double slack = 1e-6 * box.diagonal();
     if (!box.empty()) box = box.inflated(slack);
+    to_top.translation = -centre;
+    top_size = box.diagonal();
     for (PlacedPart& p : placed) p.world_box = {p.world_box.lo - centre - slack, p.world_box.hi - centre + slack};
   }
 
@@ -315,53 +296,47 @@ struct Tracer::Impl {
     rtcCommitScene(top);
   }
 
-  // Up to 16 rays that are already in `lanes`.
-  void trace_lanes(Context& context, unsigned count, bool packet) const {
-    alignas(64) int valid[kWidth] = {};
-    context.search.stats->rays += count;
+  // The rays that are in the packet.
+  void trace_packet(Context& context, LaneMask lanes) const {
     if (!top) {
-      for (unsigned i = 0; i < count; ++i) valid[i] = -1;
-      if (!placed.empty()) trace_placed(context, 0, valid, packet);
+      if (!placed.empty()) trace_placed(context, 0, lanes);
       return;
     }
-    context.top_slack = kStartSlack * box.diagonal();
-    alignas(64) RTCRayHit16 rays = idle_rays();
-    for (unsigned i = 0; i < count; ++i) {
-      const Lane& lane = context.search.lanes[i];
-      double enter, leave;
-      if (!clip(box, lane.o, lane.d, lane.tmin, lane.tmax, enter, leave)) continue;
-      const double length = glm::length(lane.d);
-      context.top_shift[i] = enter;
-      context.top_length[i] = length;
-      set_ray(rays, i, lane.o + enter * lane.d - centre, lane.d / length, 0, (leave - enter) * length + context.top_slack);
-      valid[i] = -1;
-    }
-    trace(top, context, rays, valid, packet);
+    trace(top, context, context.top, enter_part(context.packet, lanes, to_top, {box.lo - centre, box.hi - centre}, top_size, context.top));
   }
 
-  // Runs `rays` through in sixteens; `done(i, lane)` for each.
+  // Runs `rays` through in sixteens; `begin(i, lane)` and `done(i, lane)` for each.
   template <class Begin, class Done>
-  void batches(std::span<const Ray> rays, Query query, bool packet, SolverStats& stats, Begin begin, Done done) const {
-    std::array<Lane, kWidth> lanes;
+  void batches(std::span<const Ray> rays, Query query, bool coherent, SolverStats& stats, const Begin& begin, const Done& done) const {
     Context context;
     rtcInitIntersectContext(&context.embree);
-    context.search.query = query;
+    if (coherent) context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    context.coherent = coherent;
     context.placed = placed.data();
-    context.search.lanes = lanes.data();
-    context.search.stats = &stats;
+    Packet& packet = context.packet;
+    packet.query = query;
+    packet.stats = &stats;
+    stats.rays += rays.size();
     for (std::size_t first = 0; first < rays.size(); first += kWidth) {
-      const unsigned count = static_cast<unsigned>(std::min<std::size_t>(kWidth, rays.size() - first));
-      for (unsigned i = 0; i < count; ++i) {
+      const int count = static_cast<int>(std::min<std::size_t>(kWidth, rays.size() - first));
+      for (int i = 0; i < count; ++i) {
         const Ray& ray = rays[first + i];
-        lanes[i] = Lane{};
-        lanes[i].o = ray.o;
-        lanes[i].d = ray.d;
-        lanes[i].tmin = ray.tmin;
-        lanes[i].tmax = ray.tmax;
-        begin(first + i, lanes[i]);
+        for (int c = 0; c < 3; ++c) {
+          packet.o[c][i] = ray.o[c];
+          packet.d[c][i] = ray.d[c];
+        }
+        packet.tmin[i] = ray.tmin;
+        packet.limit[i] = ray.tmax;
+        packet.best[i] = Hit{};
+        begin(first + i, packet, i);
       }
-      trace_lanes(context, count, packet);
-      for (unsigned i = 0; i < count; ++i) done(first + i, lanes[i]);
+      for (int i = count; i < kWidth; ++i) {  // of no ray, but numbers
+        for (int c = 0; c < 3; ++c) packet.o[c][i] = packet.d[c][i] = 1;
+        packet.tmin[i] = packet.limit[i] = 0;
+      }
+      packet.blocked = 0;
+      trace_packet(context, (1u << count) - 1);
+      for (int i = 0; i < count; ++i) done(first + i, packet, i);
     }
   }
 };
@@ -382,15 +357,15 @@ const Face& Tracer::face(const Hit& hit) const {
 void Tracer::nearest(std::span<const Ray> rays, std::span<Hit> hits, Order order, SolverStats& stats) const {
   ISO_CHECK(hits.size() == rays.size());
   impl_->batches(
-      rays, Query::nearest, order == Order::coherent, stats, [](std::size_t, Lane&) {},
-      [&](std::size_t i, const Lane& lane) { hits[i] = lane.best; });
+      rays, Query::nearest, order == Order::coherent, stats, [](std::size_t, Packet&, int) {},
+      [&](std::size_t i, const Packet& packet, int lane) { hits[i] = packet.best[lane]; });
 }
 
 void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked, Order order, SolverStats& stats) const {
   ISO_CHECK(blocked.size() == rays.size());
   impl_->batches(
-      rays, Query::occluded, order == Order::coherent, stats, [](std::size_t, Lane&) {},
-      [&](std::size_t i, const Lane& lane) { blocked[i] = lane.blocked ? 1 : 0; });
+      rays, Query::occluded, order == Order::coherent, stats, [](std::size_t, Packet&, int) {},
+      [&](std::size_t i, const Packet& packet, int lane) { blocked[i] = packet.blocked >> lane & 1; });
 }
 
 void Tracer::all(std::span<const Ray> rays, std::vector<Hit>& hits, std::vector<std::size_t>& offsets, SolverStats& stats) const {
@@ -400,13 +375,14 @@ void Tracer::all(std::span<const Ray> rays, std::vector<Hit>& hits, std::vector<
   const double size = impl_->box.diagonal();
   impl_->batches(
       rays, Query::all, false, stats,
-      [&](std::size_t i, Lane& lane) {
-        found[i % kWidth].clear();
-        lane.all = &found[i % kWidth];
+      [&](std::size_t, Packet& packet, int lane) {
+        found[lane].clear();
+        packet.all[lane] = &found[lane];
       },
-      [&](std::size_t i, Lane& lane) {
-        sort_and_remove_doubles(*this, rays[i], size, *lane.all);
-        hits.insert(hits.end(), lane.all->begin(), lane.all->end());
+      [&](std::size_t i, const Packet& packet, int lane) {
+        std::vector<Hit>& all = *packet.all[lane];
+        sort_and_remove_doubles(*this, rays[i], size, all);
+        hits.insert(hits.end(), all.begin(), all.end());
         offsets.push_back(hits.size());
       });
 }

@@ -1,33 +1,79 @@
 #include "raytracer/leaf.h"
 
+#include "patches/base/bspline_basis.h"
+
 namespace iso {
 
 namespace {
 
-// Boxes are larger than the geometry by this share of the part's size.
+// Boxes are larger than the geometry by this share of the part's size, slabs by twice as much: they meet float rays at float points.
 constexpr double kBoxInflation = 1e-6;
 
-constexpr double kGridUnits = 4096;  // leaves lie on a dyadic grid of 2^12
+// Powers about the middle lose digits with the degree; patches above it are left to subdivision, in Bernstein form.
+constexpr int kMostPower = 12;
 
-void store(const Vec3& from, float to[3]) {
-  for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(from[c]);
-}
+// Roots this near to the border of a leaf are decided by subdivision (leaf_kernel.h); rounding must move them less.
+constexpr double kMostRoundingOfRoot = 1e-8;
 
-Leaf make_leaf(const FaceCell& cell, std::uint32_t patch) {
+Leaf make_leaf(const FaceCell& cell, std::uint32_t patch, bool has_powers, double part_size) {
   Leaf leaf{};
-  store(cell.centre, leaf.centre);
-  store(cell.A, leaf.A);
-  store(cell.B, leaf.B);
-  const double rounding = 1e-6 * (glm::length(cell.A) + glm::length(cell.B));
-  leaf.stray_a = static_cast<float>(1.000001 * (cell.stray_a + rounding));
-  leaf.stray_b = static_cast<float>(1.000001 * (cell.stray_b + rounding));
+  double largest_row = 0, height = 0;
+  float* rows[] = {leaf.a, leaf.b, leaf.h};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3& row = cell.slab.row[k];
+    const Range reach = cell.slab.reach[k];
+    const double length = glm::length(row), half = 0.5 * reach.width() + 2 * kBoxInflation * part_size * length;
+    for (int c = 0; c < 3; ++c) rows[k][c] = static_cast<float>(row[c] / half);
+    rows[k][3] = static_cast<float>((-glm::dot(row, cell.centre) - reach.middle()) / half);
+    if (k < 2)
+      largest_row = std::max(largest_row, length);
+    else
+      height = half;
+  }
+  // One root at most where bend < cosine, the cosine being `height` times the speed across h. [leaf_kernel.h]
+  const double steep = 1.0001 * cell.bend / height;
+  const bool rounding_is_small = 64 * kEps * part_size * largest_row < kMostRoundingOfRoot * cell.bend;
+  leaf.steep = has_powers && rounding_is_small && finite(steep) ? static_cast<float>(steep) : std::numeric_limits<float>::infinity();
   leaf.patch = patch;
-  const Vec2 lo = cell.lo * kGridUnits, width = (cell.hi - cell.lo) * kGridUnits;
+  const Vec2 lo = cell.lo * kLeafGrid;
   leaf.corner = (static_cast<std::uint32_t>(lo.x) << 16) | static_cast<std::uint32_t>(lo.y);
-  leaf.size[0] = static_cast<std::uint16_t>(width.x);
-  leaf.size[1] = static_cast<std::uint16_t>(width.y);
+  for (const int c : {0, 1}) leaf.level[c] = static_cast<std::uint8_t>(std::lround(-std::log2(cell.hi[c] - cell.lo[c])));
   leaf.crossing = cell.kind == TrimRegion::Kind::crossing ? 1 : 0;
   return leaf;
+}
+
+// Row i: the powers of x = s - 1/2 of the i-th Bernstein polynomial, C(p, i) (1/2 + x)^i (1/2 - x)^(p - i).
+std::vector<std::vector<long double>> bernstein_powers(int degree) {
+  std::vector<std::vector<long double>> rows;
+  long double binomial = 1;
+  for (int i = 0; i <= degree; ++i) {
+    std::vector<long double> row{binomial};
+    for (int k = 0; k < degree; ++k) {  // times (1/2 + x) or (1/2 - x)
+      row.push_back(0);
+      for (std::size_t n = row.size() - 1; n > 0; --n) row[n] = 0.5L * row[n] + (k < i ? row[n - 1] : -row[n - 1]);
+      row[0] *= 0.5L;
+    }
+    rows.push_back(row);
+    binomial = binomial * (degree - i) / (i + 1);
+  }
+  return rows;
+}
+
+void add_powers(PartGeometry& geometry, LeafPatch& patch) {
+  const BezierPatch& net = patch.piece.patch;
+  for (const Vec4& h : net.net) patch.rational |= h.w != 1;
+  patch.powers = static_cast<std::uint32_t>(geometry.powers.size());
+  const auto u = bernstein_powers(net.pu), v = bernstein_powers(net.pv);
+  const int components = patch.rational ? 4 : 3;
+  for (int k = 0; k <= net.pu; ++k)
+    for (int l = 0; l <= net.pv; ++l)
+      for (int c = 0; c < components; ++c) {
+        long double sum = 0;
+        for (int i = 0; i <= net.pu; ++i)
+          for (int j = 0; j <= net.pv; ++j) sum += u[i][k] * v[j][l] * net.at(i, j)[c];
+        geometry.powers.push_back(static_cast<double>(sum));
+        geometry.float_powers.push_back(static_cast<float>(sum));
+      }
 }
 
 // What the tracer meets in closed form (analytic_solve.h).
@@ -50,11 +96,13 @@ void add_patches(PartGeometry& geometry, std::uint32_t index, const Face& face, 
     cells.clear();
     divide(piece, 0, trim, policy, cells);
     if (cells.empty()) continue;
+    const bool has_powers = std::max(piece.patch.pu, piece.patch.pv) <= kMostPower;
     for (const FaceCell& cell : cells) {
-      geometry.leaves.push_back(make_leaf(cell, patch));
+      geometry.leaves.push_back(make_leaf(cell, patch, has_powers, part_size));
       geometry.leaf_boxes.push_back(cell.box);
     }
     geometry.patches.push_back({std::move(piece), index});
+    if (has_powers) add_powers(geometry, geometry.patches.back());
   }
 }
 
@@ -83,7 +131,8 @@ PartGeometry make_geometry(const Part& part) {
 }
 
 std::size_t PartGeometry::bytes() const {
-  std::size_t sum = leaves.size() * sizeof(Leaf) + analytic.size() * sizeof(AnalyticFace);
+  std::size_t sum = leaves.size() * sizeof(Leaf) + analytic.size() * sizeof(AnalyticFace) + powers.size() * sizeof(double) +
+                    float_powers.size() * sizeof(float);
   for (const TrimRegion& trim : trims) sum += trim.bytes();
   for (const LeafPatch& p : patches) sum += sizeof(LeafPatch) + p.piece.patch.net.size() * sizeof(Vec4);
   return sum;

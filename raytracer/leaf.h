@@ -1,8 +1,8 @@
 // What the tracer keeps of a face: 64-byte leaves over its Bezier patches, or the closed-form surface itself.
 //
-// A leaf holds the linear model of its cell in float, with proven bounds on the strays of the derivatives: enough to tell almost every ray
-// that misses, to start Newton next to the root, and to know when that root is the only one (see bezier_solve.h). The nets stand once per
-// patch.
+// A leaf is a slab around a piece of a patch, in the frame dual to the piece's tangents: it tells most rays that miss, and gives the
+// parameters at which the rest start Newton. `steep` is the certificate that there is only one root (see leaf_kernel.h). The patches'
+// polynomials stand once per patch, in float for the proposal and in double for the polish, as powers about the middle of the unit square.
 #pragma once
 
 #include <cstdint>
@@ -14,20 +14,24 @@
 namespace iso {
 
 struct Leaf {
-  float centre[3];
-  float A[3], B[3];        // dS/da, dS/db at the centre; the cell is |a|, |b| <= 1
-  float stray_a, stray_b;  // |dS/da - A| <= stray_a and |dS/db - B| <= stray_b over the cell; the rounding of this record is included
-  float spare;             // fills the cache line
-  std::uint32_t patch;     // index into PartGeometry::patches
-  std::uint32_t corner;    // lower corner of the dyadic box: s in the high, t in the low 16 bits, in units of 2^-12
-  std::uint16_t size[2];   // extent of the box in the same unit
-  std::uint32_t crossing;  // 1: hits must be tested against the trim loops
+  // Rows (x y z offset) of an affine map into the slab, which is [-1, 1]^3: along the piece's two parameters, and along its normal.
+  float a[4], b[4], h[4];
+  std::uint32_t patch;    // index into PartGeometry::patches
+  std::uint32_t corner;   // lower corner of the dyadic box: s in the high, t in the low 16 bits, in units of 2^-12
+  std::uint8_t level[2];  // the box is 2^-level[0] by 2^-level[1]
+  std::uint8_t crossing;  // 1: hits must be tested against the trim loops
+  std::uint8_t spare;
+  float steep;  // a ray (of unit length) that crosses h faster than this has at most one root within kCellMargin of the leaf
 };
 static_assert(sizeof(Leaf) == 64);
+
+inline constexpr double kLeafGrid = 4096;  // leaves lie on a dyadic grid of 2^12
 
 struct LeafPatch {
   BezierPiece piece;
   std::uint32_t face = 0;
+  std::uint32_t powers = 0;  // index into PartGeometry::powers and float_powers
+  bool rational = false;     // four components (x y z w) a coefficient, else three
 };
 
 // A face met in closed form: plane, cylinder, cone or sphere.
@@ -43,6 +47,9 @@ struct PartGeometry {
   std::vector<Leaf> leaves;
   std::vector<Box3> leaf_boxes;  // outward; only while the acceleration structure is built
   std::vector<AnalyticFace> analytic;
+  // Coefficients of (s - 1/2)^i (t - 1/2)^j at (i (pv + 1) + j) times the number of components.
+  std::vector<float> float_powers;
+  std::vector<double> powers;
   Box3 box;
   double size = 0;         // diagonal of the box
   double largest_gap = 0;  // largest Edge::closing

@@ -29,15 +29,15 @@ void bernstein_split(const std::vector<T>& c, double s, std::vector<T>& left, st
   }
 }
 
-// The part on [s0, s1], 0 <= s0 < s1 <= 1.
+// The part on [s0, s1], s0 < s1, s1 > 0; beyond [0, 1] the polynomial continues.
 template <class T>
 std::vector<T> bernstein_part(const std::vector<T>& c, double s0, double s1) {
   std::vector<T> left, right, rest = c;
-  if (s1 < 1) {
+  if (s1 != 1) {
     bernstein_split(c, s1, left, right);
     rest = left;
   }
-  if (s0 > 0) {
+  if (s0 != 0) {
     bernstein_split(rest, s0 / s1, left, right);
     rest = right;
   }

@@ -73,8 +73,8 @@ BezierPatch map_rows(const BezierPatch& patch, int direction, Cut cut) {
 
 BezierPatch part_of(const BezierPatch& patch, const Vec2& lo, const Vec2& hi) {
   BezierPatch out = patch;
-  if (lo.x > 0 || hi.x < 1) out = map_rows(out, 0, [&](const std::vector<Vec4>& r) { return bernstein_part(r, lo.x, hi.x); });
-  if (lo.y > 0 || hi.y < 1) out = map_rows(out, 1, [&](const std::vector<Vec4>& r) { return bernstein_part(r, lo.y, hi.y); });
+  if (lo.x != 0 || hi.x != 1) out = map_rows(out, 0, [&](const std::vector<Vec4>& r) { return bernstein_part(r, lo.x, hi.x); });
+  if (lo.y != 0 || hi.y != 1) out = map_rows(out, 1, [&](const std::vector<Vec4>& r) { return bernstein_part(r, lo.y, hi.y); });
   return out;
 }
 

@@ -32,7 +32,7 @@ struct HomogeneousJet {
 };
 HomogeneousJet homogeneous_jet(const BezierPatch& patch, const Vec2& st);
 
-// The part over the box [lo, hi] of the unit square.
+// The part over the box [lo, hi], which may reach beyond the unit square (weights may then fall to zero or below).
 BezierPatch part_of(const BezierPatch& patch, const Vec2& lo, const Vec2& hi);
 
 // The halves of a patch, in s (direction 0) or t (direction 1).

@@ -1,0 +1,149 @@
+#include "raytracer/packet.h"
+
+#include "raytracer/analytic_solve.h"
+#include "raytracer/bezier_solve.h"
+#include "raytracer/leaf_kernel.h"
+
+namespace iso {
+
+SolverStats& SolverStats::operator+=(const SolverStats& o) {
+  rays += o.rays;
+  leaf_visits += o.leaf_visits;
+  slab_rejects += o.slab_rejects;
+  solves += o.solves;
+  newton_steps += o.newton_steps;
+  analytic += o.analytic;
+  trim_queries += o.trim_queries;
+  fallbacks += o.fallbacks;
+  fallback_cells += o.fallback_cells;
+  fallback_out_of_budget += o.fallback_out_of_budget;
+  tangent += o.tangent;
+  by_tolerance += o.by_tolerance;
+  return *this;
+}
+
+bool comes_first(const Hit& a, const Hit& b) {
+  if (a.t != b.t) return a.t < b.t;
+  if (a.placed != b.placed) return a.placed < b.placed;
+  if (a.face != b.face) return a.face < b.face;
+  if (a.uv.x != b.uv.x) return a.uv.x < b.uv.x;
+  return a.uv.y < b.uv.y;
+}
+
+namespace {
+
+// Brings angles and other periodic parameters into the window of the face.
+UV into_domain(const Face& face, const Vec2& period, UV uv) {
+  for (const int c : {0, 1})
+    if (period[c] > 0) {
+      uv[c] -= period[c] * std::floor((uv[c] - face.domain.lo[c]) / period[c]);
+      if (uv[c] > face.domain.hi[c] && uv[c] - period[c] >= face.domain.lo[c] - 1e-9 * period[c]) uv[c] = face.domain.lo[c];
+    }
+  return uv;
+}
+
+// A root on its way to become a hit.
+struct Offer {
+  std::uint32_t face = 0;
+  UV uv{0.0};
+  double t = 0;  // along the local ray
+  HitStatus status = HitStatus::converged;
+  unsigned steps = 0;
+  bool crossing = false;  // the trim loops must be asked
+};
+
+// Offers a root to a lane. Returns true if the lane's nearest hit or its blocking changed.
+bool offer(Packet& packet, int lane, const PartGeometry& geometry, const Offer& root) {
+  Hit hit;
+  hit.t = packet.local.shift[lane] + root.t;
+  if (!(hit.t >= packet.tmin[lane] && hit.t <= packet.limit[lane]) || !finite(root.uv)) return false;
+  hit.placed = packet.current;
+  hit.face = static_cast<std::int32_t>(root.face);
+  hit.status = root.status;
+  hit.steps = static_cast<std::uint16_t>(std::min(root.steps, 65535u));
+  const Face& face = geometry.part->faces[root.face];
+  const TrimRegion& trim = geometry.trims[root.face];
+  if (root.crossing) {
+    ++packet.stats->trim_queries;
+    const Vec3 direction{packet.local.d[0][lane], packet.local.d[1][lane], packet.local.d[2][lane]};
+    const TrimRegion::Answer answer = trim.contains(root.uv, face.surface, direction);
+    if (!answer.inside) return false;
+    hit.by_tolerance = answer.by_tolerance;
+  }
+  hit.uv = into_domain(face, trim.period(), root.uv);
+  if (root.status == HitStatus::tangent) ++packet.stats->tangent;
+  if (hit.by_tolerance) ++packet.stats->by_tolerance;
+  switch (packet.query) {
+    case Query::occluded:
+      packet.blocked |= 1u << lane;
+      return true;
+    case Query::all:
+      packet.all[lane]->push_back(hit);
+      return false;
+    case Query::nearest:
+      break;
+  }
+  if (!comes_first(hit, packet.best[lane])) return false;
+  packet.best[lane] = hit;
+  packet.limit[lane] = hit.t;
+  return true;
+}
+
+// The faces without loops are bounded by their domain: the closed forms do not know it.
+bool in_domain(const Face& face, const Vec2& period, UV& uv) {
+  uv = into_domain(face, period, uv);
+  const Vec2 slack = 1e-12 * face.domain.size();
+  return uv.x >= face.domain.lo.x - slack.x && uv.x <= face.domain.hi.x + slack.x && uv.y >= face.domain.lo.y - slack.y &&
+         uv.y <= face.domain.hi.y + slack.y;
+}
+
+}  // namespace
+
+LaneMask meet_analytic(Packet& packet, LaneMask lanes, const PartGeometry& geometry, std::uint32_t primitive) {
+  const std::uint32_t index = geometry.analytic[primitive].face;
+  const Face& face = geometry.part->faces[index];
+  const TrimRegion& trim = geometry.trims[index];
+  const bool untrimmed = trim.untrimmed();
+  LaneMask changed = 0;
+  for_each_lane(lanes, [&](int lane) {
+    ++packet.stats->analytic;
+    AnalyticRoot roots[2];
+    const int n = analytic_roots(face.surface, packet.local.ray(lane), roots);
+    for (int i = 0; i < n; ++i) {
+      if (untrimmed && !in_domain(face, trim.period(), roots[i].uv)) continue;
+      if (offer(packet, lane, geometry, {index, roots[i].uv, roots[i].t, roots[i].status, 0, !untrimmed})) changed |= 1u << lane;
+    }
+  });
+  return changed;
+}
+
+LaneMask meet_leaf(Packet& packet, LaneMask lanes, const PartGeometry& geometry, std::uint32_t primitive) {
+  const Leaf& leaf = geometry.leaves[primitive];
+  const LeafPatch& patch = geometry.patches[leaf.patch];
+  const bool crossing = leaf.crossing != 0;
+  LaneMask changed = 0;
+  LeafRoots found;
+  roots_of_packet(geometry, leaf, packet.local, lanes, found);
+  SolverStats& stats = *packet.stats;
+  const auto count = [](LaneMask mask) { return static_cast<unsigned>(__builtin_popcount(mask)); };
+  stats.leaf_visits += count(lanes);
+  stats.slab_rejects += count(found.missed_slab);
+  stats.solves += count(lanes & ~found.missed_slab);
+  for_each_lane(found.accepted, [&](int lane) {
+    const unsigned steps = static_cast<unsigned>(found.steps[lane]);
+    stats.newton_steps += steps;
+    const UV uv = patch.piece.to_native({found.s[lane], found.t[lane]});
+    if (offer(packet, lane, geometry, {patch.face, uv, found.distance[lane], HitStatus::converged, steps, crossing})) changed |= 1u << lane;
+  });
+  for_each_lane(found.undecided, [&](int lane) {
+    thread_local std::vector<Root> roots;
+    roots.clear();
+    roots_in_leaf(patch, leaf, packet.local.ray(lane), stats, roots);
+    for (const Root& root : roots)
+      if (offer(packet, lane, geometry, {patch.face, patch.piece.to_native(root.st), root.t, root.status, root.steps, crossing}))
+        changed |= 1u << lane;
+  });
+  return changed;
+}
+
+}  // namespace iso
