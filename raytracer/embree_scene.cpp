@@ -39,11 +39,8 @@ struct Context {
   LocalRays top;                       // the rays in the world, for the top level
 };
 
-float rounded_up(double x) {
-  const float f = static_cast<float>(x);
-  return static_cast<double>(f) >= x ? std::nextafter(f, std::numeric_limits<float>::infinity())
-                                     : std::nextafter(std::nextafter(f, INFINITY), INFINITY);
-}
+// At least x, which is not negative, in float.
+float rounded_up(double x) { return static_cast<float>(x * (1 + 3e-7)); }
 
 void set_box(RTCBounds* out, const Box3& box) {
   const auto down = [](double x) { return std::nextafter(static_cast<float>(x), -INFINITY); };
@@ -327,7 +324,6 @@ struct Tracer::Impl {
         }
         packet.tmin[i] = ray.tmin;
         packet.limit[i] = ray.tmax;
-        packet.best[i] = Hit{};
         begin(first + i, packet, i);
       }
       for (int i = count; i < kWidth; ++i) {  // of no ray, but numbers
@@ -357,8 +353,12 @@ const Face& Tracer::face(const Hit& hit) const {
 void Tracer::nearest(std::span<const Ray> rays, std::span<Hit> hits, Order order, SolverStats& stats) const {
   ISO_CHECK(hits.size() == rays.size());
   impl_->batches(
-      rays, Query::nearest, order == Order::coherent, stats, [](std::size_t, Packet&, int) {},
-      [&](std::size_t i, const Packet& packet, int lane) { hits[i] = packet.best[lane]; });
+      rays, Query::nearest, order == Order::coherent, stats,
+      [&](std::size_t i, Packet& packet, int lane) {
+        hits[i] = Hit{};
+        if (lane == 0) packet.best = &hits[i];
+      },
+      [](std::size_t, const Packet&, int) {});
 }
 
 void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked, Order order, SolverStats& stats) const {

@@ -76,15 +76,34 @@ void add_powers(PartGeometry& geometry, LeafPatch& patch) {
       }
 }
 
-// What the tracer meets in closed form (analytic_solve.h).
-bool met_in_closed_form(const AnySurface& s) {
-  return std::holds_alternative<Plane>(s) || std::holds_alternative<Cylinder>(s) || std::holds_alternative<Cone>(s) ||
-         std::holds_alternative<Sphere>(s);
+// False for the kinds that go through their Bezier pieces.
+bool set_surface(const AnySurface& surface, AnalyticFace& out) {
+  const auto is = [&](AnalyticKind kind, const Frame& frame, double radius) {
+    out.kind = kind;
+    out.frame = frame;
+    out.radius = radius;
+    return true;
+  };
+  if (const auto* plane = std::get_if<Plane>(&surface)) return is(AnalyticKind::plane, plane->frame, 0);
+  if (const auto* cylinder = std::get_if<Cylinder>(&surface)) return is(AnalyticKind::cylinder, cylinder->frame, cylinder->r);
+  if (const auto* sphere = std::get_if<Sphere>(&surface)) return is(AnalyticKind::sphere, sphere->frame, sphere->r);
+  if (const auto* cone = std::get_if<Cone>(&surface)) {
+    if (cone->half_angle == 0) return is(AnalyticKind::cylinder, cone->frame, cone->r);
+    out.k = std::tan(cone->half_angle);
+    out.cosine = std::cos(cone->half_angle);
+    out.apex = -cone->r / out.k;
+    return is(AnalyticKind::cone, cone->frame, 0);
+  }
+  return false;
 }
 
-void add_analytic(PartGeometry& geometry, std::uint32_t index, const Face& face, const TrimRegion& trim) {
-  const Box3 box = trimmed_box(face, trim).inflated(trim.largest_reach());
-  if (!box.empty()) geometry.analytic.push_back({index, box});
+bool add_analytic(PartGeometry& geometry, std::uint32_t index, const Face& face, const TrimRegion& trim) {
+  AnalyticFace analytic;
+  analytic.face = index;
+  if (!set_surface(face.surface, analytic)) return false;
+  analytic.box = trimmed_box(face, trim).inflated(trim.largest_reach());
+  if (!analytic.box.empty()) geometry.analytic.push_back(analytic);
+  return true;
 }
 
 void add_patches(PartGeometry& geometry, std::uint32_t index, const Face& face, const TrimRegion& trim, double part_size) {
@@ -116,10 +135,7 @@ PartGeometry make_geometry(const Part& part) {
   for (std::uint32_t i = 0; i < part.faces.size(); ++i) {
     const Face& face = part.faces[i];
     geometry.trims.emplace_back(face, part.edges, kTrimRounding * size);
-    if (met_in_closed_form(face.surface))
-      add_analytic(geometry, i, face, geometry.trims.back());
-    else
-      add_patches(geometry, i, face, geometry.trims.back(), size);
+    if (!add_analytic(geometry, i, face, geometry.trims.back())) add_patches(geometry, i, face, geometry.trims.back(), size);
   }
   for (const Box3& box : geometry.leaf_boxes) geometry.box.include(box);
   for (const AnalyticFace& face : geometry.analytic) geometry.box.include(face.box);

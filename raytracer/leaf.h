@@ -35,9 +35,14 @@ struct LeafPatch {
 };
 
 // A face met in closed form: plane, cylinder, cone or sphere.
+enum class AnalyticKind : std::uint8_t { plane, cylinder, cone, sphere };
 struct AnalyticFace {
   std::uint32_t face = 0;
-  Box3 box;
+  AnalyticKind kind = AnalyticKind::plane;
+  Frame frame;
+  double radius = 0;                   // of cylinders and spheres
+  double k = 0, cosine = 1, apex = 0;  // of cones: tangent and cosine of the half angle, height of the apex
+  Box3 box;                            // of the trimmed face
 };
 
 struct PartGeometry {

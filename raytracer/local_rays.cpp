@@ -49,6 +49,7 @@ HWY_INLINE LaneMask enter_some(D d, const Packet& packet, const Affine3& to_part
     leave = hn::Min(leave, hn::Max(a, b));
   }
   const auto inside = hn::Le(enter, leave);
+  if (hn::AllFalse(d, inside)) return 0;
 
   const V dd = dot(v, v), length = hn::Sqrt(dd), inverse = hn::Div(set(1), length);
   V unit[3], n1[3], n2[3];

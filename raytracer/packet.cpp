@@ -1,6 +1,6 @@
 #include "raytracer/packet.h"
 
-#include "raytracer/analytic_solve.h"
+#include "raytracer/analytic_kernel.h"
 #include "raytracer/bezier_solve.h"
 #include "raytracer/leaf_kernel.h"
 
@@ -100,20 +100,23 @@ bool in_domain(const Face& face, const Vec2& period, UV& uv) {
 }  // namespace
 
 LaneMask meet_analytic(Packet& packet, LaneMask lanes, const PartGeometry& geometry, std::uint32_t primitive) {
-  const std::uint32_t index = geometry.analytic[primitive].face;
-  const Face& face = geometry.part->faces[index];
-  const TrimRegion& trim = geometry.trims[index];
+  const AnalyticFace& analytic = geometry.analytic[primitive];
+  const Face& face = geometry.part->faces[analytic.face];
+  const TrimRegion& trim = geometry.trims[analytic.face];
   const bool untrimmed = trim.untrimmed();
+  packet.stats->analytic += static_cast<unsigned>(__builtin_popcount(lanes));
+  AnalyticRoots roots;
+  roots_of_packet(analytic, packet, lanes, roots);
   LaneMask changed = 0;
-  for_each_lane(lanes, [&](int lane) {
-    ++packet.stats->analytic;
-    AnalyticRoot roots[2];
-    const int n = analytic_roots(face.surface, packet.local.ray(lane), roots);
-    for (int i = 0; i < n; ++i) {
-      if (untrimmed && !in_domain(face, trim.period(), roots[i].uv)) continue;
-      if (offer(packet, lane, geometry, {index, roots[i].uv, roots[i].t, roots[i].status, 0, !untrimmed})) changed |= 1u << lane;
-    }
-  });
+  for (int i = 0; i < 2; ++i) {
+    const LaneMask wanted = roots.found[i] & (packet.query == Query::all ? kAllLanes : ~changed);  // the first root is the nearer one
+    for_each_lane(wanted, [&](int lane) {
+      UV uv{roots.u[i][lane], roots.v[i][lane]};
+      if (untrimmed && !in_domain(face, trim.period(), uv)) return;
+      const HitStatus status = i == 0 && (roots.tangent >> lane & 1) ? HitStatus::tangent : HitStatus::converged;
+      if (offer(packet, lane, geometry, {analytic.face, uv, roots.t[i][lane], status, 0, !untrimmed})) changed |= 1u << lane;
+    });
+  }
   return changed;
 }
 

@@ -49,7 +49,7 @@ struct alignas(64) Packet {
   Lanes<double> o[3], d[3], tmin;
   Lanes<double> limit;  // hits beyond are not wanted: tmax, or the nearest hit so far
   LocalRays local;
-  Lanes<Hit> best;
+  Hit* best = nullptr;  // the nearest hits so far, one a lane
   Lanes<std::vector<Hit>*> all;
   LaneMask blocked = 0;
   Query query = Query::nearest;
