@@ -175,6 +175,32 @@ double bend_of(const LinearModel& m) {
   return cross > 0 ? (m.stray_a * glm::length(m.B) + m.stray_b * glm::length(m.A)) / cross : kInf;
 }
 
+// FaceCell::curls of a patch that reaches kCellMargin beyond the cell; f = n . (P - c w) - (d - n . c) w with |d - n . c| <= radius.
+Vec3 curls_of(const BezierPatch& patch, const Point3& centre, double radius) {
+  const auto difference = [&](int i, int j, int di, int dj) { return patch.at(i + di, j + dj) - patch.at(i, j); };
+  const auto size = [&](const Vec4& h) { return glm::length(Vec3(h) - h.w * centre) + radius * std::abs(h.w); };
+  const int pu = patch.pu, pv = patch.pv;
+  Vec3 most{0.0};
+  for (int i = 0; i <= pu; ++i)
+    for (int j = 0; j <= pv; ++j) {
+      if (i + 2 <= pu) most.x = std::max(most.x, pu * (pu - 1) * size(difference(i + 1, j, 1, 0) - difference(i, j, 1, 0)));
+      if (i < pu && j < pv) most.y = std::max(most.y, pu * pv * size(difference(i, j + 1, 1, 0) - difference(i, j, 1, 0)));
+      if (j + 2 <= pv) most.z = std::max(most.z, pv * (pv - 1) * size(difference(i, j + 1, 0, 1) - difference(i, j, 0, 1)));
+    }
+  return most / (4 * kCellMargin * kCellMargin);  // the patch's unit square spans 2 kCellMargin of the cell's parameters
+}
+
+// How far from the centre the slab reaches, and a little more.
+double radius_of(const Slab& slab) {
+  const double volume = std::abs(glm::dot(slab.row[0], glm::cross(slab.row[1], slab.row[2])));
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double edge = glm::length(glm::cross(slab.row[(k + 1) % 3], slab.row[(k + 2) % 3])) / volume;
+    sum += edge * std::max(std::abs(slab.reach[k].lo), std::abs(slab.reach[k].hi));
+  }
+  return 1.05 * sum;
+}
+
 // Dyadic boxes hold twelve levels in a direction (see Leaf): none may get thinner than this.
 constexpr double kLeastWidth = 1.0 / 4096;
 
@@ -191,11 +217,14 @@ void divide(const BezierPiece& piece, int piece_index, const TrimRegion& trim, c
     const TrimRegion::Kind kind = trim.classify(native_box(piece, node));
     if (kind == TrimRegion::Kind::outside) continue;
     const Box3 box = hull_box(node.patch);
-    const LinearModel m = model_of(with_margin(node.patch));
+    const BezierPatch wide = with_margin(node.patch);
+    const LinearModel m = model_of(wide);
     const double bend = bend_of(m);
     const bool last = node.levels >= policy.most_levels || (node.levels >= 6 && box.diagonal() < policy.small);
     if (last || bend <= policy.bend) {
-      cells.push_back({piece_index, node.lo, node.hi, m.centre, m.A, m.B, m.stray_a, m.stray_b, bend, box, slab_of(node.patch, m), kind});
+      const Slab slab = slab_of(node.patch, m);
+      const Vec3 curls = curls_of(wide, m.centre, radius_of(slab));
+      cells.push_back({piece_index, node.lo, node.hi, m.centre, m.A, m.B, m.stray_a, m.stray_b, bend, curls, box, slab, kind});
       continue;
     }
     const Vec2 width = node.hi - node.lo;

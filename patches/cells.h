@@ -26,8 +26,11 @@ struct FaceCell {
   Vec3 A{0.0}, B{0.0};
   double stray_a = 0, stray_b = 0;
   double bend = kInf;  // the contraction of Newton's map for a ray along the normal; for others it is this over the cosine
-  Box3 box;            // of the hull of the control points
-  Slab slab;           // of the same hull
+  // Bounds on the second derivatives of a ray's plane equations f = n . P - d w, |n| = 1, for planes that come within the slab:
+  // |f_aa|, |f_ab| and |f_bb| over the same square.
+  Vec3 curls{kInf};
+  Box3 box;   // of the hull of the control points
+  Slab slab;  // of the same hull
   TrimRegion::Kind kind = TrimRegion::Kind::inside;
 };
 

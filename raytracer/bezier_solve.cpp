@@ -17,13 +17,6 @@ constexpr double kBorder = 1e-9;
 // Where rounding alone could move a root by more than this share of its window, the Jacobian is too near singular for Newton to decide.
 constexpr double kDoubtfulBorder = 0.25;
 
-// A box of the patch's unit square by middle and half width; (a, b) in [-1, 1]^2 are its own parameters.
-struct Window {
-  Vec2 middle{0.5}, half{0.5};
-
-  Vec2 to_unit(const Vec2& ab) const { return middle + half * ab; }
-};
-
 struct Mat2 {
   double a, b, c, d;  // rows (a b), (c d)
 
@@ -341,16 +334,11 @@ class Subdivision {
 thread_local std::vector<Vec2> Subdivision::nets_;
 thread_local std::vector<Window> Subdivision::windows_;
 
-Window window_of(const Leaf& leaf) {
-  const Vec2 half{0.5 / static_cast<double>(1u << leaf.level[0]), 0.5 / static_cast<double>(1u << leaf.level[1])};
-  return {Vec2{(leaf.corner >> 16) / kLeafGrid, (leaf.corner & 0xffffu) / kLeafGrid} + half, half};
-}
-
 }  // namespace
 
-void roots_in_leaf(const LeafPatch& patch, const Leaf& leaf, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots) {
+void roots_in_window(const LeafPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots) {
   ++stats.fallbacks;
-  Subdivision(patch, ray, stats, roots).run(window_of(leaf));
+  Subdivision(patch, ray, stats, roots).run(window);
 }
 
 }  // namespace iso

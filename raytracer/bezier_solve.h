@@ -1,15 +1,14 @@
-// All meets of a ray with one leaf of a rational Bezier patch, by subdivision: slow, and never wrong.
+// All meets of a ray with a window of a rational Bezier patch, by subdivision: slow, and never wrong.
 //
-// The two plane equations of the ray (leaf_kernel.h) are Bernstein polynomials over the leaf. They are subdivided until every part is empty
-// (the origin lies outside the hull of its coefficients), certified, or as small as rounding. A part is certified where its Jacobian
+// The two plane equations of the ray (leaf_kernel.h) are Bernstein polynomials over the window. They are subdivided until every part is
+// empty (the origin lies outside the hull of its coefficients), certified, or as small as rounding. A part is certified where its Jacobian
 // differs from that of its linear model by E with |J0^-1| E < 1: the map is one-to-one there, so the part has at most one root, and Newton
 // finds it or proves that there is none. No root is lost: grazing rays, silhouettes, poles and several roots at once end here.
 #pragma once
 
 #include <vector>
 
-#include "raytracer/leaf.h"
-#include "raytracer/local_ray.h"
+#include "raytracer/leaf_kernel.h"
 
 namespace iso {
 
@@ -20,7 +19,7 @@ struct Root {
   std::uint16_t steps = 0;
 };
 
-// Appends the roots in the leaf (and within rounding of its border), in no order, whatever their t.
-void roots_in_leaf(const LeafPatch& patch, const Leaf& leaf, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots);
+// Appends the roots in the window (and within rounding of its border), in no order, whatever their t.
+void roots_in_window(const LeafPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots);
 
 }  // namespace iso

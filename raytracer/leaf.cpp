@@ -65,12 +65,19 @@ void add_powers(PartGeometry& geometry, LeafPatch& patch) {
   patch.powers = static_cast<std::uint32_t>(geometry.powers.size());
   const auto u = bernstein_powers(net.pu), v = bernstein_powers(net.pv);
   const int components = patch.rational ? 4 : 3;
+  std::vector<long double> half(net.net.size() * components);  // powers in t, still Bernstein in s
+  const auto at = [&](int i, int l, int c) -> long double& {
+    return half[(static_cast<std::size_t>(i) * (net.pv + 1) + l) * components + c];
+  };
+  for (int i = 0; i <= net.pu; ++i)
+    for (int l = 0; l <= net.pv; ++l)
+      for (int c = 0; c < components; ++c)
+        for (int j = 0; j <= net.pv; ++j) at(i, l, c) += v[j][l] * net.at(i, j)[c];
   for (int k = 0; k <= net.pu; ++k)
     for (int l = 0; l <= net.pv; ++l)
       for (int c = 0; c < components; ++c) {
         long double sum = 0;
-        for (int i = 0; i <= net.pu; ++i)
-          for (int j = 0; j <= net.pv; ++j) sum += u[i][k] * v[j][l] * net.at(i, j)[c];
+        for (int i = 0; i <= net.pu; ++i) sum += u[i][k] * at(i, l, c);
         geometry.powers.push_back(static_cast<double>(sum));
         geometry.float_powers.push_back(static_cast<float>(sum));
       }
@@ -118,6 +125,8 @@ void add_patches(PartGeometry& geometry, std::uint32_t index, const Face& face, 
     const bool has_powers = std::max(piece.patch.pu, piece.patch.pv) <= kMostPower;
     for (const FaceCell& cell : cells) {
       geometry.leaves.push_back(make_leaf(cell, patch, has_powers, part_size));
+      const Vec3 curls = 1.000001 * cell.curls;
+      geometry.curls.push_back({static_cast<float>(curls.x), static_cast<float>(curls.y), static_cast<float>(curls.z)});
       geometry.leaf_boxes.push_back(cell.box);
     }
     geometry.patches.push_back({std::move(piece), index});
@@ -147,8 +156,8 @@ PartGeometry make_geometry(const Part& part) {
 }
 
 std::size_t PartGeometry::bytes() const {
-  std::size_t sum = leaves.size() * sizeof(Leaf) + analytic.size() * sizeof(AnalyticFace) + powers.size() * sizeof(double) +
-                    float_powers.size() * sizeof(float);
+  std::size_t sum = leaves.size() * (sizeof(Leaf) + sizeof(LeafCurls)) + analytic.size() * sizeof(AnalyticFace) +
+                    powers.size() * sizeof(double) + float_powers.size() * sizeof(float);
   for (const TrimRegion& trim : trims) sum += trim.bytes();
   for (const LeafPatch& p : patches) sum += sizeof(LeafPatch) + p.piece.patch.net.size() * sizeof(Vec4);
   return sum;

@@ -25,13 +25,20 @@ struct Leaf {
 };
 static_assert(sizeof(Leaf) == 64);
 
+// FaceCell::curls of a leaf, rounded up; asked for grazing rays only.
+struct LeafCurls {
+  float aa, ab, bb;
+};
+
 inline constexpr double kLeafGrid = 4096;  // leaves lie on a dyadic grid of 2^12
 
 struct LeafPatch {
   BezierPiece piece;
   std::uint32_t face = 0;
-  std::uint32_t powers = 0;  // index into PartGeometry::powers and float_powers
-  bool rational = false;     // four components (x y z w) a coefficient, else three
+  std::uint32_t powers = kNoPowers;  // index into PartGeometry::powers and float_powers
+  bool rational = false;             // four components (x y z w) a coefficient, else three
+
+  static constexpr std::uint32_t kNoPowers = 0xffffffffu;
 };
 
 // A face met in closed form: plane, cylinder, cone or sphere.
@@ -50,6 +57,7 @@ struct PartGeometry {
   std::vector<TrimRegion> trims;  // per face
   std::vector<LeafPatch> patches;
   std::vector<Leaf> leaves;
+  std::vector<LeafCurls> curls;  // per leaf
   std::vector<Box3> leaf_boxes;  // outward; only while the acceleration structure is built
   std::vector<AnalyticFace> analytic;
   // Coefficients of (s - 1/2)^i (t - 1/2)^j at (i (pv + 1) + j) times the number of components.

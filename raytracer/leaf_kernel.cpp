@@ -4,49 +4,51 @@
 #define HWY_TARGET_INCLUDE "raytracer/leaf_kernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, by its rules.
-#include "raytracer/polish-inl.h"
+#include "raytracer/grazing-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace iso::HWY_NAMESPACE {
 
 template <int kDegree, int kComponents>
-void solve(const PartGeometry& geometry, const LeafPatch& patch, const Leaf& leaf, const LocalRays& rays, Proposal& proposal,
-           LeafRoots& roots) {
+void solve(const PartGeometry& geometry, std::uint32_t index, const LocalRays& rays, Proposal& proposal, RootSink& sink) {
   const hn::CappedTag<float, kWidth> narrow;
   const hn::CappedTag<double, 8> wide;
+  const Leaf& leaf = geometry.leaves[index];
+  const LeafPatch& patch = geometry.patches[leaf.patch];
   const int pu = patch.piece.patch.pu, pv = patch.piece.patch.pv;
   const LeafBox box = box_of(leaf);
+  LeafRoots roots;
   for (std::size_t first = 0; first < kWidth; first += hn::Lanes(narrow))
     if (proposal.certain & lanes_from(first, hn::Lanes(narrow)))
       newton_in_float<kDegree, kComponents>(narrow, &geometry.float_powers[patch.powers], pu, pv, box, rays, first, proposal);
   for (std::size_t first = 0; first < kWidth; first += hn::Lanes(wide))
     if (proposal.certain & lanes_from(first, hn::Lanes(wide)))
       polish<kDegree, kComponents>(wide, &geometry.powers[patch.powers], pu, pv, box, rays, first, proposal, roots);
-    else
-      roots.undecided |= proposal.live & lanes_from(first, hn::Lanes(wide));
+  if (roots.found) sink.found(roots);
+  const LaneMask doubtful = proposal.certain & ~(roots.found | roots.none), grazing = proposal.live & ~proposal.certain;
+  if (doubtful) sink.undecided(doubtful, window_of(leaf));
+  if (grazing) meet_grazing<kDegree, kComponents>(geometry.curls[index], &geometry.powers[patch.powers], pu, pv, box, rays, grazing, sink);
 }
 
-void roots_of_packet(const PartGeometry& geometry, const Leaf& leaf, const LocalRays& rays, LaneMask lanes, LeafRoots& roots) {
+void meet_packet(const PartGeometry& geometry, std::uint32_t index, const LocalRays& rays, LaneMask lanes, RootSink& sink) {
+  const Leaf& leaf = geometry.leaves[index];
   const hn::CappedTag<float, kWidth> d;
   Proposal proposal;
   for (std::size_t first = 0; first < kWidth; first += hn::Lanes(d))
     if (lanes & lanes_from(first, hn::Lanes(d))) test_slab(d, leaf, rays, lanes, first, proposal);
-  roots.accepted = roots.undecided = 0;
-  roots.missed_slab = lanes & ~proposal.live;
-  if (!proposal.certain) {
-    roots.undecided = proposal.live;
-    return;
-  }
+  sink.missed_slab(lanes & ~proposal.live);
+  if (!proposal.live) return;
   const LeafPatch& patch = geometry.patches[leaf.patch];
+  if (patch.powers == LeafPatch::kNoPowers) return sink.undecided(proposal.live, window_of(leaf));
   const int pu = patch.piece.patch.pu, pv = patch.piece.patch.pv, degree = pu == pv ? pu : 0;
   if (patch.rational) {
-    if (degree == 2) return solve<2, 4>(geometry, patch, leaf, rays, proposal, roots);
-    if (degree == 3) return solve<3, 4>(geometry, patch, leaf, rays, proposal, roots);
-    return solve<0, 4>(geometry, patch, leaf, rays, proposal, roots);
+    if (degree == 2) return solve<2, 4>(geometry, index, rays, proposal, sink);
+    if (degree == 3) return solve<3, 4>(geometry, index, rays, proposal, sink);
+    return solve<0, 4>(geometry, index, rays, proposal, sink);
   }
-  if (degree == 2) return solve<2, 3>(geometry, patch, leaf, rays, proposal, roots);
-  if (degree == 3) return solve<3, 3>(geometry, patch, leaf, rays, proposal, roots);
-  solve<0, 3>(geometry, patch, leaf, rays, proposal, roots);
+  if (degree == 2) return solve<2, 3>(geometry, index, rays, proposal, sink);
+  if (degree == 3) return solve<3, 3>(geometry, index, rays, proposal, sink);
+  solve<0, 3>(geometry, index, rays, proposal, sink);
 }
 
 }  // namespace iso::HWY_NAMESPACE
@@ -55,9 +57,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace iso {
 
-HWY_EXPORT(roots_of_packet);
-void roots_of_packet(const PartGeometry& geometry, const Leaf& leaf, const LocalRays& rays, LaneMask lanes, LeafRoots& roots) {
-  HWY_DYNAMIC_DISPATCH(roots_of_packet)(geometry, leaf, rays, lanes, roots);
+HWY_EXPORT(meet_packet);
+void roots_of_packet(const PartGeometry& geometry, std::uint32_t leaf, const LocalRays& rays, LaneMask lanes, RootSink& sink) {
+  HWY_DYNAMIC_DISPATCH(meet_packet)(geometry, leaf, rays, lanes, sink);
+}
+
+Window window_of(const Leaf& leaf) {
+  const Vec2 half{0.5 / static_cast<double>(1u << leaf.level[0]), 0.5 / static_cast<double>(1u << leaf.level[1])};
+  return {Vec2{(leaf.corner >> 16) / kLeafGrid, (leaf.corner & 0xffffu) / kLeafGrid} + half, half};
 }
 
 }  // namespace iso

@@ -120,33 +120,55 @@ LaneMask meet_analytic(Packet& packet, LaneMask lanes, const PartGeometry& geome
   return changed;
 }
 
-LaneMask meet_leaf(Packet& packet, LaneMask lanes, const PartGeometry& geometry, std::uint32_t primitive) {
-  const Leaf& leaf = geometry.leaves[primitive];
-  const LeafPatch& patch = geometry.patches[leaf.patch];
-  const bool crossing = leaf.crossing != 0;
-  LaneMask changed = 0;
-  LeafRoots found;
-  roots_of_packet(geometry, leaf, packet.local, lanes, found);
-  SolverStats& stats = *packet.stats;
-  const auto count = [](LaneMask mask) { return static_cast<unsigned>(__builtin_popcount(mask)); };
-  stats.leaf_visits += count(lanes);
-  stats.slab_rejects += count(found.missed_slab);
-  stats.solves += count(lanes & ~found.missed_slab);
-  for_each_lane(found.accepted, [&](int lane) {
-    const unsigned steps = static_cast<unsigned>(found.steps[lane]);
-    stats.newton_steps += steps;
-    const UV uv = patch.piece.to_native({found.s[lane], found.t[lane]});
-    if (offer(packet, lane, geometry, {patch.face, uv, found.distance[lane], HitStatus::converged, steps, crossing})) changed |= 1u << lane;
-  });
-  for_each_lane(found.undecided, [&](int lane) {
+namespace {
+
+// Offers the roots of one leaf to the lanes of a packet.
+class Offers final : public RootSink {
+ public:
+  Offers(Packet& packet, const PartGeometry& geometry, const Leaf& leaf)
+      : packet_(packet), geometry_(geometry), patch_(geometry.patches[leaf.patch]), crossing_(leaf.crossing != 0) {}
+
+  LaneMask changed() const { return changed_; }
+
+  void missed_slab(LaneMask lanes) override { packet_.stats->slab_rejects += static_cast<unsigned>(__builtin_popcount(lanes)); }
+
+  void found(const LeafRoots& roots) override {
+    packet_.stats->solves += static_cast<unsigned>(__builtin_popcount(roots.found));
+    for_each_lane(roots.found, [&](int lane) {
+      const unsigned steps = static_cast<unsigned>(roots.steps[lane]);
+      packet_.stats->newton_steps += steps;
+      propose(lane, {roots.s[lane], roots.t[lane]}, roots.distance[lane], HitStatus::converged, steps);
+    });
+  }
+
+  void undecided(LaneMask lanes, const Window& window) override {
     thread_local std::vector<Root> roots;
-    roots.clear();
-    roots_in_leaf(patch, leaf, packet.local.ray(lane), stats, roots);
-    for (const Root& root : roots)
-      if (offer(packet, lane, geometry, {patch.face, patch.piece.to_native(root.st), root.t, root.status, root.steps, crossing}))
-        changed |= 1u << lane;
-  });
-  return changed;
+    for_each_lane(lanes, [&](int lane) {
+      roots.clear();
+      roots_in_window(patch_, window, packet_.local.ray(lane), *packet_.stats, roots);
+      for (const Root& root : roots) propose(lane, root.st, root.t, root.status, root.steps);
+    });
+  }
+
+ private:
+  void propose(int lane, const Vec2& st, double t, HitStatus status, unsigned steps) {
+    if (offer(packet_, lane, geometry_, {patch_.face, patch_.piece.to_native(st), t, status, steps, crossing_})) changed_ |= 1u << lane;
+  }
+
+  Packet& packet_;
+  const PartGeometry& geometry_;
+  const LeafPatch& patch_;
+  bool crossing_;
+  LaneMask changed_ = 0;
+};
+
+}  // namespace
+
+LaneMask meet_leaf(Packet& packet, LaneMask lanes, const PartGeometry& geometry, std::uint32_t primitive) {
+  packet.stats->leaf_visits += static_cast<unsigned>(__builtin_popcount(lanes));
+  Offers offers(packet, geometry, geometry.leaves[primitive]);
+  roots_of_packet(geometry, primitive, packet.local, lanes, offers);
+  return offers.changed();
 }
 
 }  // namespace iso

@@ -57,10 +57,9 @@ HWY_INLINE void polish(D d, const double* powers, int pu, int pv, const LeafBox&
   const V far = hn::Max(hn::Abs(a), hn::Abs(b));
   const auto inside = hn::And(converged, hn::Lt(far, hn::Set(d, 1 - kDoubtful)));
   const auto beside = hn::And(converged, hn::And(hn::Gt(far, hn::Set(d, 1 + kDoubtful)), hn::Lt(far, hn::Set(d, kCellMargin))));
-  const LaneMask live = start.live & lanes_from(first, hn::Lanes(d));
-  const LaneMask in = bits_of(d, inside, first);
-  roots.accepted |= in;
-  roots.undecided |= live & ~(in | bits_of(d, beside, first));
+  const LaneMask polished = start.certain & lanes_from(first, hn::Lanes(d));
+  roots.found |= bits_of(d, inside, first) & polished;
+  roots.none |= bits_of(d, beside, first) & polished;
   const V half = hn::Set(d, 0.5);
   hn::Store(hn::Add(half, hn::MulAdd(half_x, a, x0)), d, roots.s + first);
   hn::Store(hn::Add(half, hn::MulAdd(half_y, b, y0)), d, roots.t + first);
