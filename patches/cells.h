@@ -39,7 +39,7 @@ inline constexpr double kCellMargin = 1.25;
 
 // How fine to divide.
 struct CellPolicy {
-  double bend = 0.25;    // split until FaceCell::bend is below this
+  double bend = 0.35;    // split until FaceCell::bend is below this
   double small = 1e-3;   // a cell smaller than this (world units) that still bends is degenerate: left to the solver's fallback
   int most_levels = 18;  // binary splits in all
 };

@@ -15,6 +15,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 // A ray that still wants smaller windows touches the surface, or all but, or looks at a pole: subdivision takes it over.
 inline constexpr int kMostHalvings = 9;
 inline constexpr int kMostWindows = 100;
+// Newton's map must contract by this for a certificate.
+inline constexpr double kCertain = 0.75;
 
 // A window of a leaf, in the leaf's parameters, and the rays that may meet it.
 struct GrazedWindow {
@@ -70,13 +72,13 @@ HWY_INLINE void judge(D d, const PatchJet<V, kComponents>& jet, const WindowBoun
   const V reach_a = hn::Mul(hn::Sqrt(size_b), hn::Abs(inverse)), reach_b = hn::Mul(hn::Sqrt(size_a), hn::Abs(inverse));
   const V contraction = hn::MulAdd(reach_a, set(bounds.stray_a), hn::Mul(reach_b, set(bounds.stray_b)));
   const V border = hn::Mul(rounding, hn::Max(reach_a, reach_b));
-  const auto certain = hn::And(hn::Lt(contraction, set(0.9)), hn::Lt(border, set(0.25 * kDoubtful)));
+  const auto certain = hn::And(hn::Lt(contraction, set(kCertain)), hn::Lt(border, set(0.25 * kDoubtful)));
   out.certain |= bits_of(d, certain, first) & lanes;
 
   // The linear root is at most this far from a root in the window.
   const V a = hn::Mul(hn::NegMulAdd(gb, f, hn::Mul(fb, g)), inverse), b = hn::Mul(hn::NegMulAdd(fa, g, hn::Mul(ga, f)), inverse);
-  const V strays = set(bounds.stray_a + bounds.stray_b), one = set(1 + kDoubtful);
-  const auto off = hn::Or(hn::Gt(hn::Abs(a), hn::MulAdd(reach_a, strays, one)), hn::Gt(hn::Abs(b), hn::MulAdd(reach_b, strays, one)));
+  const V one = set(1 + kDoubtful);
+  const auto off = hn::Or(hn::Gt(hn::Abs(a), hn::MulAdd(reach_a, bend, one)), hn::Gt(hn::Abs(b), hn::MulAdd(reach_b, bend, one)));
   missed |= bits_of(d, hn::And(certain, off), first);
   const hn::Rebind<float, D> narrow;
   const auto clamp = [&](V x) HWY_ATTR { return hn::DemoteTo(narrow, hn::Min(hn::Max(x, set(-kCellMargin)), set(kCellMargin))); };
@@ -117,9 +119,7 @@ void meet_grazing(const LeafCurls& curls, const double* powers, int pu, int pv, 
         if (proposal.certain & lanes_from(first, hn::Lanes(d)))
           polish<kDegree, kComponents>(d, powers, pu, pv, box, rays, first, proposal, roots);
       if (roots.found) sink.found(roots);
-      const LaneMask doubtful = proposal.certain & ~(roots.found | roots.none);
-      if (doubtful) sink.undecided(doubtful, {{box.x + 0.5, box.y + 0.5}, {box.half_x, box.half_y}});
-      w.lanes &= ~proposal.certain;
+      w.lanes &= ~(roots.found | roots.none);  // a root at the very border stays: smaller windows, then subdivision
     }
     if (!w.lanes) continue;
     if (w.halvings >= kMostHalvings || windows >= kMostWindows) {

@@ -25,9 +25,9 @@ void solve(const PartGeometry& geometry, std::uint32_t index, const LocalRays& r
     if (proposal.certain & lanes_from(first, hn::Lanes(wide)))
       polish<kDegree, kComponents>(wide, &geometry.powers[patch.powers], pu, pv, box, rays, first, proposal, roots);
   if (roots.found) sink.found(roots);
-  const LaneMask doubtful = proposal.certain & ~(roots.found | roots.none), grazing = proposal.live & ~proposal.certain;
-  if (doubtful) sink.undecided(doubtful, window_of(leaf));
-  if (grazing) meet_grazing<kDegree, kComponents>(geometry.curls[index], &geometry.powers[patch.powers], pu, pv, box, rays, grazing, sink);
+  const LaneMask undecided = proposal.live & ~(roots.found | roots.none);
+  if (undecided)
+    meet_grazing<kDegree, kComponents>(geometry.curls[index], &geometry.powers[patch.powers], pu, pv, box, rays, undecided, sink);
 }
 
 void meet_packet(const PartGeometry& geometry, std::uint32_t index, const LocalRays& rays, LaneMask lanes, RootSink& sink) {
