@@ -307,7 +307,6 @@ struct Tracer::Impl {
   void batches(std::span<const Ray> rays, Query query, bool coherent, SolverStats& stats, const Begin& begin, const Done& done) const {
     Context context;
     rtcInitIntersectContext(&context.embree);
-    if (coherent) context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     context.coherent = coherent;
     context.placed = placed.data();
     Packet& packet = context.packet;
