@@ -49,13 +49,18 @@ struct Attempt {
 LoopPiece straight_piece(const UV& from, const UV& to, int tag) { return loop_piece({Line<Vec2>{from, to - from}, 0, 1, -1}, tag); }
 
 // A collapsed side was made to fit the edges beside it; where one of them was projected anew, it is fitted again.
-void refit_collapsed_sides(std::vector<LoopPiece>& pieces, const std::vector<char>& reprojected, const Attempt& attempt) {
+std::vector<LoopPiece> with_collapsed_sides_fitted(const std::vector<LoopPiece>& pieces, const std::vector<char>& reprojected,
+                                                   const Attempt& attempt) {
   const size_t n = pieces.size();
+  std::vector<LoopPiece> fitted;
   for (size_t i = 0; i < n; ++i) {
     const size_t before = (i + n - 1) % n, after = (i + 1) % n;
     if (attempt.is_collapsed(pieces[i]) && (reprojected[before] || reprojected[after]))
-      pieces[i] = straight_piece(pieces[before].end, pieces[after].start, pieces[i].tag);
+      fitted.push_back(straight_piece(pieces[before].end, pieces[after].start, pieces[i].tag));
+    else
+      fitted.push_back(pieces[i]);
   }
+  return fitted;
 }
 
 // All uses of edges of one wire, in the wire's order. Edges inside the face (cracks) do not bound it.
@@ -84,8 +89,7 @@ std::vector<LoopPiece> pieces_of(const TopoDS_Shape& wire, const TopoDS_Face& fa
     std::reverse(pieces.begin(), pieces.end());
     std::reverse(reprojected.begin(), reprojected.end());
   }
-  refit_collapsed_sides(pieces, reprojected, attempt);
-  return pieces;
+  return with_collapsed_sides_fitted(pieces, reprojected, attempt);
 }
 
 // The chains of all wires of the (forward) face; whether there was any wire with edges.
@@ -281,10 +285,10 @@ void follow_collapsed_sides(Attempt& attempt) {
   for (Chain& chain : attempt.chains) {
     std::vector<LoopPiece> pieces;
     for (size_t i = 0; i < chain.pieces.size(); ++i) {
-      LoopPiece piece = chain.pieces[i];
-      if (attempt.is_collapsed(piece) && !is_point(attempt.face.surface, piece))
-        if (const auto way = along_border(piece.start, piece.end)) piece = piece_along(*way, piece.tag);
-      pieces.push_back(std::move(piece));
+      const LoopPiece& piece = chain.pieces[i];
+      const bool crosses = attempt.is_collapsed(piece) && !is_point(attempt.face.surface, piece);
+      const auto around = crosses ? along_border(piece.start, piece.end) : std::nullopt;
+      pieces.push_back(around ? piece_along(*around, piece.tag) : piece);
       if (const Gap gap = gap_after(chain, i); gap.from != gap.to)
         if (const auto way = along_border(gap.from, gap.to)) pieces.push_back(piece_along(*way, kClosingTag));
     }
