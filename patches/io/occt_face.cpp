@@ -86,7 +86,7 @@ std::vector<LoopPiece> pieces_of(const TopoDS_Shape& wire, const TopoDS_Face& fa
     reprojected.push_back(use->reprojected);
   }
   if (wire.Orientation() == TopAbs_REVERSED) {
-    std::reverse(pieces.begin(), pieces.end());
+    pieces = std::vector<LoopPiece>(pieces.rbegin(), pieces.rend());
     std::reverse(reprojected.begin(), reprojected.end());
   }
   return with_collapsed_sides_fitted(pieces, reprojected, attempt);
