@@ -5,19 +5,18 @@
 #include <BRep_Tool.hxx>
 #include <Geom_ConicalSurface.hxx>
 #include <Geom_Surface.hxx>
-#include <ShapeFix_Edge.hxx>
 #include <Standard_ErrorHandler.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Iterator.hxx>
-#include <gp_GTrsf2d.hxx>
 #include <unordered_map>
 
+#include "patches/io/collapsed_side.h"
 #include "patches/io/loops.h"
-#include "patches/io/occt_curve.h"
 #include "patches/io/occt_surface.h"
+#include "patches/io/occt_trim_curve.h"
 
 namespace iso::occt {
 namespace {
@@ -26,8 +25,6 @@ namespace {
 constexpr double kNoArea = 1e-10;
 // Trim curves that leave the surface's domain by more than this share of it are told.
 constexpr double kOutsideDomain = 1e-3;
-// Joints of a loop are told when they are open by more than the file's tolerances and this length (Open CASCADE's own confusion).
-constexpr double kConfusion = 1e-7;
 constexpr int kAreaSamples = 6;
 
 struct Trouble {
@@ -44,79 +41,32 @@ struct Attempt {
   std::string failure;  // why it cannot be used, else empty
 
   void tell(Problem::Kind kind, std::string what) { troubles.push_back({kind, std::move(what)}); }
+  bool is_collapsed(const LoopPiece& piece) const {
+    return piece.tag >= 0 && BRep_Tool::Degenerated(edges[static_cast<size_t>(piece.tag)]);
+  }
 };
 
-// The surface with the face's location baked in, and what a scaled location does to its parameters.
-struct PlacedSurface {
-  Handle(Geom_Surface) surface;
-  Vec2 parameter_scale{1.0};
-  bool mirrored = false;
-};
-PlacedSurface placed_surface(const TopoDS_Face& face) {
-  TopLoc_Location location;
-  const Handle(Geom_Surface) own = BRep_Tool::Surface(face, location);
-  if (own.IsNull() || location.IsIdentity()) return {own, Vec2(1.0), false};
-  const gp_Trsf& t = location.Transformation();
-  PlacedSurface placed{Handle(Geom_Surface)::DownCast(own->Transformed(t)), Vec2(1.0), t.IsNegative()};
-  if (std::abs(std::abs(t.ScaleFactor()) - 1) > kEps) {
-    const gp_GTrsf2d map = own->ParametricTransformation(t);
-    placed.parameter_scale = {map.Value(1, 1), map.Value(2, 2)};
-  }
-  return placed;
-}
+LoopPiece straight_piece(const UV& from, const UV& to, int tag) { return loop_piece({Line<Vec2>{from, to - from}, 0, 1, -1}, tag); }
 
-// Projects the edge's curve on the surface where the file has no curve in (u, v), and tells the distance.
-bool add_missing_pcurve(const TopoDS_Edge& edge, const TopoDS_Face& face, Attempt& attempt) {
-  ShapeFix_Edge fix;
-  fix.FixAddPCurve(edge, face, Standard_False, BRep_Tool::Tolerance(edge));
-  double first, last, lo, hi;
-  const Handle(Geom2d_Curve) pcurve = BRep_Tool::CurveOnSurface(edge, face, first, last);
-  if (pcurve.IsNull()) return false;
-  const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, lo, hi);
-  double worst = 0;
-  constexpr int kSamples = 100;
-  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
-  for (int i = 0; i <= kSamples && !curve.IsNull(); ++i) {
-    const gp_Pnt2d uv = pcurve->Value(first + (last - first) * i / kSamples);
-    worst = std::max(worst, surface->Value(uv.X(), uv.Y()).Distance(curve->Value(lo + (hi - lo) * i / kSamples)));
+// A collapsed side was made to fit the edges beside it; where one of them was projected anew, it is fitted again.
+std::vector<LoopPiece> with_collapsed_sides_fitted(const std::vector<LoopPiece>& pieces, const std::vector<char>& reprojected,
+                                                   const Attempt& attempt) {
+  const size_t n = pieces.size();
+  std::vector<LoopPiece> fitted;
+  for (size_t i = 0; i < n; ++i) {
+    const size_t before = (i + n - 1) % n, after = (i + 1) % n;
+    if (attempt.is_collapsed(pieces[i]) && (reprojected[before] || reprojected[after]))
+      fitted.push_back(straight_piece(pieces[before].end, pieces[after].start, pieces[i].tag));
+    else
+      fitted.push_back(pieces[i]);
   }
-  attempt.tell(Problem::Kind::repaired, fmt::format("an edge had no trim curve: its curve in space was projected, {:.2g} off", worst));
-  return true;
-}
-
-// The trim curve of one use of an edge, run in the direction of the use.
-std::optional<TrimCurve> trim_curve(const TopoDS_Edge& edge, const TopoDS_Face& face, const PlacedSurface& placed, Attempt& attempt) {
-  double first = 0, last = 0;
-  Handle(Geom2d_Curve) pcurve = BRep_Tool::CurveOnSurface(edge, face, first, last);
-  if (pcurve.IsNull() && !BRep_Tool::Degenerated(edge) && add_missing_pcurve(edge, face, attempt))
-    pcurve = BRep_Tool::CurveOnSurface(edge, face, first, last);
-  if (pcurve.IsNull()) {
-    if (!BRep_Tool::Degenerated(edge))
-      attempt.tell(Problem::Kind::repaired, "an edge has no trim curve and none could be found: closed by a line");
-    return std::nullopt;
-  }
-  if (!finite(first) || !finite(last) || !(first < last)) {
-    attempt.tell(Problem::Kind::repaired, "a trim curve has an empty range of parameters: left out");
-    return std::nullopt;
-  }
-  auto converted = convert_curve(pcurve, {first, last});
-  if (!converted) {
-    attempt.tell(Problem::Kind::repaired,
-                 fmt::format("a trim curve of type {} cannot be used: closed by a line", pcurve->DynamicType()->Name()));
-    return std::nullopt;
-  }
-  if (converted->error > 0)
-    attempt.tell(Problem::Kind::approximated,
-                 fmt::format("trim curve of type {} as B-spline, {:.2g} off in (u, v)", pcurve->DynamicType()->Name(), converted->error));
-  TrimCurve trim{std::move(converted->curve), first, last, -1};
-  if (placed.parameter_scale != Vec2(1.0)) trim.curve = moved(trim.curve, placed.parameter_scale, Vec2(0.0));
-  if (edge.Orientation() == TopAbs_REVERSED) std::swap(trim.t0, trim.t1);
-  return trim;
+  return fitted;
 }
 
 // All uses of edges of one wire, in the wire's order. Edges inside the face (cracks) do not bound it.
 std::vector<LoopPiece> pieces_of(const TopoDS_Shape& wire, const TopoDS_Face& face, const PlacedSurface& placed, Attempt& attempt) {
   std::vector<LoopPiece> pieces;
+  std::vector<char> reprojected;
   for (TopoDS_Iterator it(wire); it.More(); it.Next()) {
     if (it.Value().ShapeType() != TopAbs_EDGE) continue;
     const TopoDS_Edge edge = TopoDS::Edge(it.Value());
@@ -124,18 +74,22 @@ std::vector<LoopPiece> pieces_of(const TopoDS_Shape& wire, const TopoDS_Face& fa
       attempt.tell(Problem::Kind::note, "an edge inside the face does not bound it: not used");
       continue;
     }
-    auto trim = trim_curve(edge, face, placed, attempt);
-    if (!trim) continue;
-    LoopPiece piece = loop_piece(std::move(*trim), static_cast<int>(attempt.edges.size()));
+    auto use = trim_curve(edge, face, placed, [&](Problem::Kind kind, const std::string& what) { attempt.tell(kind, what); });
+    if (!use) continue;
+    LoopPiece piece = loop_piece(std::move(use->trim), static_cast<int>(attempt.edges.size()));
     if (!finite(piece.start) || !finite(piece.end)) {
       attempt.tell(Problem::Kind::repaired, "a trim curve is not finite: closed by a line");
       continue;
     }
     attempt.edges.push_back(edge);
     pieces.push_back(std::move(piece));
+    reprojected.push_back(use->reprojected);
   }
-  if (wire.Orientation() == TopAbs_REVERSED) pieces = std::vector<LoopPiece>(pieces.rbegin(), pieces.rend());
-  return pieces;
+  if (wire.Orientation() == TopAbs_REVERSED) {
+    pieces = std::vector<LoopPiece>(pieces.rbegin(), pieces.rend());
+    std::reverse(reprojected.begin(), reprojected.end());
+  }
+  return with_collapsed_sides_fitted(pieces, reprojected, attempt);
 }
 
 // The chains of all wires of the (forward) face; whether there was any wire with edges.
@@ -296,6 +250,55 @@ void set_surface(const PlacedSurface& placed, const Box2& needed, Attempt& attem
     attempt.tell(Problem::Kind::approximated, fmt::format("{} as B-spline, {:.2g} off", converted->original, converted->error));
 }
 
+// Whether the surface collapses a trim curve to a point (a pole, an apex), to within Open CASCADE's confusion.
+bool is_point(const AnySurface& surface, const LoopPiece& piece) {
+  constexpr int kSamples = 8;
+  const Point3 start = point(surface, piece.start);
+  for (int i = 1; i <= kSamples; ++i)
+    if (glm::length(point(surface, jet(piece.trim.curve, piece.trim.t0 + (piece.trim.t1 - piece.trim.t0) * i / kSamples).C) - start) >
+        kConfusion)
+      return false;
+  return true;
+}
+
+LoopPiece piece_along(const BorderWay& way, int tag) {
+  NurbsCurve<Vec2> n;
+  n.degree = 1;
+  const double last = static_cast<double>(way.points.size()) - 1;
+  n.knots.push_back(0);
+  for (size_t i = 0; i < way.points.size(); ++i) {
+    n.knots.push_back(static_cast<double>(i));
+    n.poles.push_back(homogeneous(way.points[i], 1.0));
+  }
+  n.knots.push_back(last);
+  return loop_piece({std::move(n), 0, last, -1}, tag);
+}
+
+// Collapsed sides, and joints that are open only in (u, v), follow the border of the surface where a straight line would cut across it.
+void follow_collapsed_sides(Attempt& attempt) {
+  double worst = 0;
+  const auto along_border = [&](const UV& from, const UV& to) {
+    const auto way = border_way(attempt.face.surface, from, to, kConfusion);
+    if (way) worst = std::max(worst, way->straight);
+    return way;
+  };
+  for (Chain& chain : attempt.chains) {
+    std::vector<LoopPiece> pieces;
+    for (size_t i = 0; i < chain.pieces.size(); ++i) {
+      const LoopPiece& piece = chain.pieces[i];
+      const bool crosses = attempt.is_collapsed(piece) && !is_point(attempt.face.surface, piece);
+      const auto around = crosses ? along_border(piece.start, piece.end) : std::nullopt;
+      pieces.push_back(around ? piece_along(*around, piece.tag) : piece);
+      if (const Gap gap = gap_after(chain, i); gap.from != gap.to)
+        if (const auto way = along_border(gap.from, gap.to)) pieces.push_back(piece_along(*way, kClosingTag));
+    }
+    chain.pieces = std::move(pieces);
+  }
+  if (worst > 0)
+    attempt.tell(Problem::Kind::repaired,
+                 fmt::format("a line across the surface, up to {:.2g} off, stood for collapsed sides: the border followed", worst));
+}
+
 Attempt attempt_face(const TopoDS_Face& face) {
   Attempt attempt;
   const TopoDS_Face forward = TopoDS::Face(face.Oriented(TopAbs_FORWARD));
@@ -323,20 +326,10 @@ Attempt attempt_face(const TopoDS_Face& face) {
   }
   set_surface(placed, box, attempt);
   if (!attempt.failure.empty()) return attempt;
-  attempt.face.domain = clipped(box, attempt.face.surface, attempt);
+  follow_collapsed_sides(attempt);
+  attempt.face.domain = clipped(any_edge ? box_of(attempt.chains) : box, attempt.face.surface, attempt);
   if (!has_area(attempt)) attempt.failure = "it has no area";
   return attempt;
-}
-
-// Whether the surface collapses a trim curve to a point (a pole, an apex), to within Open CASCADE's confusion.
-bool is_point(const AnySurface& surface, const LoopPiece& piece) {
-  constexpr int kSamples = 8;
-  const Point3 start = point(surface, piece.start);
-  for (int i = 1; i <= kSamples; ++i)
-    if (glm::length(point(surface, jet(piece.trim.curve, piece.trim.t0 + (piece.trim.t1 - piece.trim.t0) * i / kSamples).C) - start) >
-        kConfusion)
-      return false;
-  return true;
 }
 
 // Moves the finished face into the part, numbers its edges and tells its troubles.
