@@ -1,5 +1,6 @@
 // Embree's own triangles: what direct intersection is compared with. Its best side is shown: float rays that are ready for it, the widest
-// packets that Embree has instructions for, and no ROBUST flag (the direct side has it).
+// packets that Embree has instructions for, and no ROBUST flag (the direct side has it). As on the direct side, rays and hits are arrays,
+// and moving them to packets and back is part of the time.
 #pragma once
 
 #include <glm/vec3.hpp>

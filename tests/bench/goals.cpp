@@ -49,7 +49,7 @@ const std::vector<GoalOfKind>& goals() {
 std::optional<Goal> goal_of(const std::string& scene, const std::string& rays, double tolerance) {
   for (const GoalOfKind& goal : goals()) {
     if (rays != goal.rays || std::find(goal.scenes.begin(), goal.scenes.end(), scene) == goal.scenes.end()) continue;
-    const std::optional<double> must = tolerance < kCoarse ? goal.fine : goal.coarse;
+    const std::optional<double> must = tolerance > 0 && tolerance < kCoarse ? goal.fine : goal.coarse;
     return must ? std::optional(Goal{goal.about, *must}) : std::nullopt;
   }
   return std::nullopt;

@@ -11,7 +11,7 @@ struct Goal {
   double must;
 };
 
-// The goal of a measurement, if it has one.
+// The goal of a measurement, if it has one. `tolerance`: of the tessellation; 0 where there is none.
 std::optional<Goal> goal_of(const std::string& scene, const std::string& rays, double tolerance);
 
 }  // namespace iso::bench
