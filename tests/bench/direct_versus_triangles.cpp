@@ -1,145 +1,191 @@
 #include "tests/bench/direct_versus_triangles.h"
 
+#include <optional>
 #include <stdexcept>
 
-#include "tests/bench/ray_sets.h"
+#include "tests/bench/instruction_set.h"
 
 namespace iso::bench {
 namespace {
 
-// What a round found: must be the same in every round.
-struct Answer {
-  std::size_t hits = 0;
-  double sum_t = 0;
-  bool operator==(const Answer&) const = default;
-};
+// Builds are repeated as long as they are short.
+constexpr int kMostBuilds = 3;
+constexpr double kLongBuild = 1;  // seconds
 
-template <class AnyHit>
-Answer answer_of(const std::vector<AnyHit>& hits) {
-  Answer answer;
-  for (const AnyHit& hit : hits)
-    if (hit) {
-      ++answer.hits;
-      answer.sum_t += static_cast<double>(hit.t);
-    }
-  return answer;
-}
-
-// One contestant of the rounds: its times, and its answer from the warm-up.
-struct Contestant {
-  std::function<void()> trace;
-  std::function<Answer()> answer;
+template <class Make>
+Timing repeated(const Make& seconds_of_one) {
   std::vector<double> seconds;
-  Answer first;
-};
+  double sum = 0;
+  do {
+    seconds.push_back(seconds_of_one());
+    sum += seconds.back();
+  } while (seconds.size() < kMostBuilds && sum < kLongBuild);
+  return timing_of(seconds);
+}
 
-void run_rounds(std::vector<Contestant>& contestants, int rounds) {
-  for (Contestant& c : contestants) {
-    c.trace();
-    c.first = c.answer();
+// One scene, traced directly and as triangles of one tolerance after the other.
+class SceneRun {
+ public:
+  SceneRun(const BenchScene& scene, const MeasureOptions& options, const std::function<bool(const std::string&)>& wanted)
+      : scene_(scene), options_(options), wanted_(wanted) {}
+
+  Result<SceneResult> run() {
+    const double start = thread_seconds();
+    Result<TraceScene> loaded = scene_.load();
+    if (!loaded) return loaded.error();
+    load_seconds_ = thread_seconds() - start;
+    diagonal_ = loaded->box().diagonal();
+    direct_seconds_ = repeated([&] {
+      TraceScene copy = *loaded;
+      return seconds_of([&] { tracer_.emplace(std::move(copy)); });
+    });
+    primary_ = primary_rays(*tracer_, options_.rays);
+    if (measured("two-threads")) {
+      Row row = two_threads_against_one(primary_, *tracer_, options_.rounds);
+      row.scene = scene_.name;
+      result_.rows.push_back(row);
+    }
+    for (std::size_t i = 0; i < (options_.quick ? 1 : scene_.tolerances.size()); ++i) against_triangles(scene_.tolerances[i]);
+    return std::move(result_);
   }
-  for (int round = 0; round < rounds; ++round)
-    for (Contestant& c : contestants) {
-      c.seconds.push_back(seconds_of(c.trace));
-      ISO_CHECK(c.answer() == c.first);
+
+ private:
+  bool measured(const std::string& rays) const {
+    return wanted_(rays) && std::find(scene_.rays.begin(), scene_.rays.end(), rays) != scene_.rays.end();
+  }
+
+  void against_triangles(double tolerance) {
+    tolerance_ = tolerance;
+    mesh_ = scene_.mesh(tracer_->scene(), tolerance * diagonal_);
+    std::vector<EmbreeTriangles> triangles = built(true, {});
+    const SecondaryRays secondary(*tracer_, triangles.front(), mesh_, primary_);
+    const bool pictures = measured("build-grid") || measured("build-high") || measured("first-image");
+    if (measured("primary") || pictures) {
+      const Row primary = contest(primary_, *tracer_, triangles, options_.rounds);
+      if (measured("primary")) add(primary);
+      add_builds(primary);
     }
-}
+    if (measured("memory")) add_memory();
+    for (const auto& [name, make] : {std::pair{"bounce", &SecondaryRays::bounce},
+                                     {"room", &SecondaryRays::room},
+                                     {"scattered", &SecondaryRays::scattered},
+                                     {"occlusion", &SecondaryRays::occlusion}})
+      if (measured(name))
+        if (const RaySet set = (secondary.*make)(); !set.direct.empty()) add(contest(set, *tracer_, triangles, options_.rounds));
+    if (!measured("primary-avx2") && !measured("bounce-avx2")) return;
+    triangles.clear();
+    on_avx2(secondary.bounce());
+  }
 
-Timing nanoseconds_per_ray(const Contestant& contestant, std::size_t rays) {
-  const Timing seconds = timing_of(contestant.seconds);
-  const double scale = 1e9 / static_cast<double>(rays);
-  return {scale * seconds.median, scale * seconds.deviation};
-}
-
-double mean_newton_steps(const std::vector<Hit>& hits) {
-  std::size_t count = 0, steps = 0;
-  for (const Hit& hit : hits)
-    if (hit && hit.status == HitStatus::converged && hit.steps > 0) {
-      ++count;
-      steps += hit.steps;
+  // All builds of the mesh; their cost goes into the result, if it is `told`.
+  std::vector<EmbreeTriangles> built(bool told, const std::string& device) {
+    std::vector<EmbreeTriangles> triangles;
+    BuildRow row{scene_.name,
+                 scene_.what,
+                 load_seconds_,
+                 direct_seconds_,
+                 tracer_->build_stats(),
+                 tolerance_,
+                 mesh_.error / diagonal_,
+                 mesh_.usual_error / diagonal_,
+                 mesh_.triangles.size(),
+                 mesh_.seconds,
+                 {}};
+    for (const Build build : {Build::medium, Build::high, Build::grid}) {
+      if (build == Build::grid && mesh_.grids.empty()) continue;
+      std::optional<EmbreeTriangles> made;
+      const auto make = [&] {
+        made.reset();
+        return made.emplace(mesh_, build, device).build_seconds();
+      };
+      const Timing seconds = told ? repeated(make) : Timing{make(), 0};
+      row.triangles.push_back({build, seconds, made->bytes()});
+      triangles.push_back(std::move(*made));
     }
-  return count ? static_cast<double>(steps) / static_cast<double>(count) : 0;
-}
+    if (told) result_.builds.push_back(row);
+    return triangles;
+  }
 
-RayRow measure_rays(const std::string& scene, const RaySet& set, const Tracer& tracer, const std::vector<EmbreeTriangles>& triangles,
-                    int rounds) {
-  std::vector<Hit> hits(set.direct.size());
-  std::vector<std::vector<TriangleHit>> triangle_hits(triangles.size(), std::vector<TriangleHit>(set.triangles.size()));
-  RayRow row;
-  row.scene = scene;
-  row.rays = set.name;
-  row.count = set.direct.size();
+  void add(Row row) {
+    row.scene = scene_.name;
+    row.tolerance = tolerance_;
+    row.triangles_error = mesh_.error / diagonal_;
+    row.usual_error = mesh_.usual_error / diagonal_;
+    result_.rows.push_back(std::move(row));
+  }
 
-  std::vector<Contestant> contestants;
-  contestants.push_back({[&] {
-                           row.stats = {};
-                           tracer.nearest(set.direct, hits, set.order, row.stats);
-                         },
-                         [&] { return answer_of(hits); },
-                         {},
-                         {}});
-  for (std::size_t k = 0; k < triangles.size(); ++k)
-    contestants.push_back({[&, k] { triangles[k].nearest(set.triangles, triangle_hits[k], set.order); },
-                           [&, k] { return answer_of(triangle_hits[k]); },
-                           {},
-                           {}});
-  run_rounds(contestants, rounds);
+  // A build and a picture: the speed of the primary rays tells what 2^20 of them take.
+  void add_builds(const Row& primary) {
+    constexpr double kNano = 1e9, kPicture = 1 << 20;
+    const BuildRow& builds = result_.builds.back();
+    const auto in_all = [&](double seconds, const Timing& ns_per_ray) {
+      return Timing{kNano * seconds + kPicture * ns_per_ray.median, kPicture * ns_per_ray.deviation};
+    };
+    Row row;
+    row.unit = Unit::ns;
+    row.direct = in_all(direct_seconds_.median, primary.direct);
+    Row image = row;
+    image.rays = "first-image";
+    image.triangles.median = kInf;
+    for (std::size_t k = 0; k < builds.triangles.size(); ++k) {
+      const TriangleBuild& triangles = builds.triangles[k];
+      row.triangles = in_all(triangles.seconds.median, primary.opponents[k].figure);
+      row.triangles_build = name_of(triangles.build);
+      row.rays = triangles.build == Build::grid ? "build-grid" : "build-high";
+      if (triangles.build != Build::medium && measured(row.rays)) add(row);
+      const Timing meshed = in_all(mesh_.seconds + triangles.seconds.median, primary.opponents[k].figure);
+      if (meshed.median >= image.triangles.median) continue;
+      image.triangles = meshed;
+      image.triangles_build = name_of(triangles.build);
+    }
+    if (measured("first-image")) add(image);
+  }
 
-  // The better build of the triangles counts.
-  std::size_t best = 0;
-  for (std::size_t k = 1; k < triangles.size(); ++k)
-    if (median(contestants[k + 1].seconds) < median(contestants[best + 1].seconds)) best = k;
-  row.triangles_build = kBuilds[best];
-  row.direct_ns = nanoseconds_per_ray(contestants[0], row.count);
-  row.triangles_ns = nanoseconds_per_ray(contestants[best + 1], row.count);
-  row.direct_hits = contestants[0].first.hits;
-  row.triangle_hits = contestants[best + 1].first.hits;
-  for (std::size_t i = 0; i < hits.size(); ++i) row.only_one_hits += bool(hits[i]) != bool(triangle_hits[best][i]) ? 1 : 0;
-  row.newton_per_hit = mean_newton_steps(hits);
-  return row;
-}
+  void add_memory() {
+    Row row;
+    row.rays = "memory";
+    row.unit = Unit::bytes;
+    row.direct.median = static_cast<double>(tracer_->build_stats().bytes);
+    for (const TriangleBuild& triangles : result_.builds.back().triangles)
+      if (triangles.build == Build::grid) {
+        row.triangles.median = static_cast<double>(triangles.bytes);
+        row.triangles_build = name_of(triangles.build);
+        add(row);
+      }
+  }
+
+  void on_avx2(const RaySet& bounce) {
+    const OnlyAvx2 only;
+    const Tracer tracer(tracer_->scene(), kAvx2Device);
+    const std::vector<EmbreeTriangles> triangles = built(false, kAvx2Device);
+    for (const RaySet* set : {&std::as_const(primary_), &bounce}) {
+      const std::string name = set->name + "-avx2";
+      if (!measured(name) || set->direct.empty()) continue;
+      Row row = contest(*set, tracer, triangles, options_.rounds);
+      row.rays = name;
+      add(std::move(row));
+    }
+  }
+
+  const BenchScene& scene_;
+  const MeasureOptions& options_;
+  const std::function<bool(const std::string&)>& wanted_;
+  SceneResult result_;
+  std::optional<Tracer> tracer_;
+  RaySet primary_;
+  TriangleMesh mesh_;
+  double load_seconds_ = 0, diagonal_ = 0, tolerance_ = 0;
+  Timing direct_seconds_;
+};
 
 }  // namespace
 
 Result<SceneResult> measure(const BenchScene& scene, const MeasureOptions& options, const std::function<bool(const std::string&)>& wanted) {
-  SceneResult result;
-  BuildRow& build = result.build;
-  build.scene = scene.name;
-  build.what = scene.what;
-
-  double start = thread_seconds();
-  Result<TraceScene> loaded = scene.load();
-  if (!loaded) return loaded.error();
-  build.load_seconds = thread_seconds() - start;
-  const double diagonal = loaded->box().diagonal();
-
-  TriangleMesh mesh;
   try {
-    mesh = scene.mesh(*loaded, options.tolerance * diagonal);
+    return SceneRun(scene, options, wanted).run();
   } catch (const std::runtime_error& failure) {
     return bad_input(scene.name, {}, failure.what());
   }
-  build.triangle_count = mesh.triangles.size();
-  build.triangle_error = mesh.error / diagonal;
-  build.mesh_seconds = mesh.seconds;
-  std::vector<EmbreeTriangles> triangles;
-  for (const Build quality : kBuilds) {
-    const EmbreeTriangles& made = triangles.emplace_back(mesh, quality);
-    build.triangles.push_back({quality, made.build_seconds(), made.bytes()});
-  }
-
-  start = thread_seconds();
-  const Tracer tracer(std::move(*loaded));
-  build.direct_seconds = thread_seconds() - start;
-  build.direct = tracer.build_stats();
-
-  const RaySet primary = primary_rays(tracer, options.rays);
-  if (wanted(primary.name)) result.rows.push_back(measure_rays(scene.name, primary, tracer, triangles, options.rounds));
-  if (wanted("bounce")) {
-    const RaySet bounce = bounce_rays(tracer, triangles.front(), mesh, primary);
-    if (!bounce.direct.empty()) result.rows.push_back(measure_rays(scene.name, bounce, tracer, triangles, options.rounds));
-  }
-  return result;
 }
 
 }  // namespace iso::bench

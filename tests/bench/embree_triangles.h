@@ -1,10 +1,12 @@
-// Embree's own triangles: what direct intersection is compared with. Its best side is shown: float rays that are ready for it, packets of
-// 16 for neighbouring rays and single rays else, and no ROBUST flag (the direct side has it).
+// Embree's own triangles: what direct intersection is compared with. Its best side is shown: float rays that are ready for it, the widest
+// packets that Embree has instructions for, and no ROBUST flag (the direct side has it). As on the direct side, rays and hits are arrays,
+// and moving them to packets and back is part of the time.
 #pragma once
 
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
+#include <string>
 
 #include "raytracer/tracer.h"
 #include "tests/bench/triangle_mesh.h"
@@ -19,24 +21,30 @@ struct FloatRay {
 };
 struct TriangleHit {
   float t = std::numeric_limits<float>::infinity();
-  std::uint32_t triangle = kMiss;
+  std::uint32_t primitive = kMiss;  // the triangle; of a grid build, the grid
 
   static constexpr std::uint32_t kMiss = 0xffffffffu;
-  explicit operator bool() const { return triangle != kMiss; }
+  explicit operator bool() const { return primitive != kMiss; }
 };
 
-enum class Build { medium, high };
-inline constexpr Build kBuilds[] = {Build::medium, Build::high};
+// How the tree is built: triangles at Embree's medium or high quality, or Embree's grids, which are smaller and built faster.
+enum class Build { medium, high, grid };
 const char* name_of(Build build);
+
+enum class Mode { packets, single };
+const char* name_of(Mode mode);
 
 class EmbreeTriangles {
  public:
-  EmbreeTriangles(const TriangleMesh& mesh, Build build);
+  // `device`: Embree's own configuration, "isa=avx2" say. Grids are for meshes that have them.
+  EmbreeTriangles(const TriangleMesh& mesh, Build build, const std::string& device = {});
   ~EmbreeTriangles();
   EmbreeTriangles(EmbreeTriangles&&) noexcept;
 
-  void nearest(std::span<const FloatRay> rays, std::span<TriangleHit> hits, Tracer::Order order) const;
+  void nearest(std::span<const FloatRay> rays, std::span<TriangleHit> hits, Mode mode) const;
+  void occluded(std::span<const FloatRay> rays, std::span<std::uint8_t> blocked, Mode mode) const;
 
+  Build build() const;
   double build_seconds() const;  // CPU time of the calling thread; one thread, if the caller has limited TBB so
   std::size_t bytes() const;     // points, indices and tree, as Embree counts them
 

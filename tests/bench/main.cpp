@@ -1,4 +1,4 @@
-// isophote_bench: ./isophote bench [NAME...] [--json] [--rounds N] [--rays N]
+// isophote_bench: ./isophote bench [NAME...] [--quick] [--json] [--rounds N] [--rays N]
 //
 // Every measurement is called direct-versus-triangles/SCENE/RAYS; a NAME selects those that have it as one of these three words, several
 // NAMEs those that fit the NAMEs of each kind: `linkrods teapot bounce` are two scenes, bounces only.
@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 
 #include "tests/bench/report.h"
@@ -14,7 +15,7 @@ namespace iso::bench {
 namespace {
 
 constexpr const char* kBenchmark = "direct-versus-triangles";
-const std::vector<std::string> kRaySets{"primary", "bounce"};
+constexpr int kQuickRounds = 3, kQuickRays = 1 << 18;
 
 int fail(const Error& error) {
   std::cerr << "isophote bench: " << error.text() << '\n';
@@ -46,14 +47,19 @@ int run(int argc, char** argv) {
       "NAME", names,
       fmt::format("what to measure: {}; scenes {}; rays {} [all]", kBenchmark, fmt::join(scene_names, " "), fmt::join(kRaySets, " ")));
   app.add_flag("--json", json, "print one JSON document instead of the table");
-  app.add_option("--rounds", options.rounds, fmt::format("measured rounds after the warm-up [{}]", options.rounds))
-      ->check(CLI::Range(1, 1000));
-  app.add_option("--rays", options.rays, fmt::format("primary rays [{}]", options.rays))->check(CLI::Range(16, 1 << 26));
+  auto* quick =
+      app.add_flag("--quick", options.quick,
+                   fmt::format("a first impression: the coarsest tessellations, --rounds {} --rays {}", kQuickRounds, kQuickRays));
+  auto* rounds = app.add_option("--rounds", options.rounds, fmt::format("measured rounds after the warm-up [{}]", options.rounds))
+                     ->check(CLI::Range(1, 1000));
+  auto* count = app.add_option("--rays", options.rays, fmt::format("primary rays [{}]", options.rays))->check(CLI::Range(16, 1 << 26));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error, std::cout, std::cerr) == 0 ? static_cast<int>(Exit::done) : static_cast<int>(Exit::bad_command_line);
   }
+  if (*quick && !*rounds) options.rounds = kQuickRounds;
+  if (*quick && !*count) options.rays = kQuickRays;
   for (const std::string& name : names)
     if (name != kBenchmark && !contains(scene_names, name) && !contains(kRaySets, name))
       return fail({Exit::bad_command_line,
@@ -65,15 +71,20 @@ int run(int argc, char** argv) {
   // One thread, builds included.
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const auto rays = chosen(kRaySets, names);
+  Origin origin = origin_of_run();
   std::vector<SceneResult> results;
   for (const std::string& wanted : chosen(scene_names, names)) {
-    std::cerr << "measuring " << wanted << " ...\n";
     const auto scene = std::find_if(scenes.begin(), scenes.end(), [&](const BenchScene& s) { return s.name == wanted; });
+    if (!scene->file.empty() && !std::filesystem::exists(scene->file)) {
+      origin.left_out.push_back(wanted + ", because there is no file " + scene->file);
+      std::cerr << "left out: " << origin.left_out.back() << '\n';
+      continue;
+    }
+    std::cerr << "measuring " << wanted << " ...\n";
     auto result = measure(*scene, options, [&](const std::string& set) { return contains(rays, set); });
     if (!result) return fail(result.error());
     results.push_back(std::move(*result));
   }
-  const Origin origin = origin_of_run();
   std::cout << (json ? as_json(results, options, origin).dump(2) + "\n" : as_table(results, options, origin)) << std::flush;
   return static_cast<int>(std::cout ? Exit::done : Exit::read_write);
 }

@@ -7,9 +7,10 @@
 
 namespace iso::bench {
 
-// Where and of what the figures are.
+// Where and of what the figures are, and the scenes whose files are absent.
 struct Origin {
   std::string machine, commit;
+  std::vector<std::string> left_out;
 };
 Origin origin_of_run();
 

@@ -1,10 +1,11 @@
 #include "tests/bench/scenes.h"
 
 #include "patches/io/read_model.h"
-#include "tests/bench/timing.h"
+#include "tests/bench/occt_plate.h"
+#include "tests/bench/tori.h"
 #include "tests/bench/uniform_mesh.h"
 #include "tests/support/occt_mesh.h"
-#include "tests/support/solids.h"
+#include "tests/support/paths.h"
 
 namespace iso::bench {
 namespace {
@@ -17,86 +18,87 @@ Result<TraceScene> load_file(const std::string& path) {
   return scene;
 }
 
-// Open CASCADE's mesh; its share of the box's diagonal is what it is asked for, its angle the library's default, so that the deflection
-// decides.
+// Open CASCADE's mesh. It is asked for the tolerance as a deflection, with the library's default angle, so that the deflection decides; the
+// mesher does not always keep it, so the mesh may be coarser than the tolerance, never much finer.
 TriangleMesh mesh_cad_file(const std::string& path, const TraceScene& scene, double tolerance) {
   constexpr double kDefaultAngle = 0.5;
+  test::OcctMesh occt = test::mesh_with_occt(path, {tolerance / scene.box().diagonal(), kDefaultAngle});
   TriangleMesh mesh;
-  test::OcctMesh occt;
-  mesh.seconds = seconds_of([&] { occt = test::mesh_with_occt(path, {tolerance / scene.box().diagonal(), kDefaultAngle}); });
+  mesh.seconds = occt.seconds;
   mesh.points = std::move(occt.points);
+  std::vector<float> deviations;
   for (const test::MeshTriangle& triangle : occt.triangles) {
     mesh.triangles.push_back(triangle.corners);
-    mesh.error = std::max(mesh.error, static_cast<double>(triangle.deviation));
+    deviations.push_back(triangle.deviation);
   }
+  std::sort(deviations.begin(), deviations.end());
+  mesh.error = deviations.back();
+  mesh.usual_error = deviations[(deviations.size() - 1) * 99 / 100];
   return mesh;
 }
 
-// ---- the wavy torus ----------------------------------------------------------------------------------------------------
+constexpr double kCoarse = 1e-4, kFineCad = 1e-5, kFine = 1e-6;
 
-constexpr int kRound = 64, kAcross = 32;  // control points, and Bezier patches, in u and v
-
-// Control points of the closed uniform cubic B-spline: a torus with waves on its tube.
-Vec3 control_point(int i, int j) {
-  const double u = kTwoPi * i / kRound, v = kTwoPi * j / kAcross;
-  const double tube = 0.4 * (1 + 0.12 * std::sin(7 * u) * std::cos(5 * v) + 0.05 * std::sin(13 * u + 3 * v));
-  const double reach = 1 + tube * std::cos(v);
-  return {reach * std::cos(u), reach * std::sin(u), tube * std::sin(v)};
+BenchScene cad(const std::string& name, const std::string& what, const std::string& path, std::vector<std::string> rays) {
+  return {name,
+          what,
+          std::move(rays),
+          {kCoarse, kFineCad},
+          [=] { return load_file(path); },
+          [=](const TraceScene& scene, double tolerance) { return mesh_cad_file(path, scene, tolerance); },
+          path};
 }
 
-// The k-th Bezier point of a closed uniform cubic B-spline with control points P(0), P(1), ...
-template <class P>
-Vec3 bezier_point(int k, const P& at) {
-  const int i = k / 3;
-  if (k % 3 == 1) return (2.0 * at(i) + at(i + 1)) / 3.0;
-  if (k % 3 == 2) return (at(i) + 2.0 * at(i + 1)) / 3.0;
-  return (at(i - 1) + 4.0 * at(i) + at(i + 1)) / 6.0;
+BenchScene smooth(const std::string& name, const std::string& what, std::vector<std::string> rays,
+                  const std::function<TraceScene()>& make) {
+  return {name, what, std::move(rays), {kCoarse, kFine}, [=] { return Result<TraceScene>(make()); }, mesh_uniformly, {}};
 }
 
-NurbsSurface wavy_torus() {
-  NurbsSurface surface;
-  surface.degree_u = surface.degree_v = 3;
-  surface.count_u = 3 * kRound + 1;
-  surface.count_v = 3 * kAcross + 1;
-  surface.closed_u = surface.closed_v = true;
-  const auto knots = [](int spans) {
-    std::vector<double> k{0.0};
-    for (int i = 0; i <= spans; ++i) k.insert(k.end(), 3, i);
-    k.push_back(spans);
-    return k;
-  };
-  surface.knots_u = knots(kRound);
-  surface.knots_v = knots(kAcross);
-  for (int i = 0; i < surface.count_u; ++i)
-    for (int j = 0; j < surface.count_v; ++j) {
-      // The last row is the first one again, bit for bit.
-      const Vec3 p = bezier_point(i % (3 * kRound), [&](int a) {
-        return bezier_point(j % (3 * kAcross), [&](int b) { return control_point((a + kRound) % kRound, (b + kAcross) % kAcross); });
-      });
-      surface.poles.emplace_back(p, 1.0);
-    }
-  return surface;
+BenchScene teapot() {
+  const std::string path = test::data("patches/teapot.bpt");
+  return {"teapot",
+          "Newell's teapot, 32 bicubic Bezier patches, some with a side in a point",
+          {"primary", "bounce"},
+          {kCoarse},
+          [=] { return load_file(path); },
+          mesh_uniformly,
+          path};
+}
+
+// The plate's file lives as long as the scene.
+BenchScene plate() {
+  const auto dir = std::make_shared<test::TemporaryDir>();
+  const std::string path = (dir->path() / "plate.brep").string();
+  return {"plate",
+          "a plate with 25 blind holes and pins: planes, cylinders, cones, spheres, trimmed",
+          {"primary", "bounce", "room", "occlusion"},
+          {kCoarse},
+          [=]() -> Result<TraceScene> {
+            write_plate_with_pins(path);
+            return load_file(path);
+          },
+          [=, keep = dir](const TraceScene& scene, double tolerance) { return mesh_cad_file(path, scene, tolerance); },
+          {}};
 }
 
 }  // namespace
 
 std::vector<BenchScene> bench_scenes() {
   const std::string occt = "/usr/share/opencascade/data/";
-  const std::string teapot = ISOPHOTE_TEST_DATA "/patches/teapot.bpt", linkrods = occt + "step/linkrods.step",
-                    motor = occt + "occ/Motor-c.brep";
-  const auto cad = [](const std::string& name, const std::string& what, const std::string& path) {
-    return BenchScene{name, what, [=] { return load_file(path); },
-                      [=](const TraceScene& scene, double tolerance) { return mesh_cad_file(path, scene, tolerance); }};
-  };
+  std::vector<std::string> all = kRaySets;
+  all.erase(std::find(all.begin(), all.end(), "first-image"));
+  const std::vector<std::string> rays{"primary", "bounce", "room"}, with_image{"primary", "bounce", "room", "occlusion", "first-image"};
   return {
-      {"teapot", "Newell's teapot, bicubic Bezier patches, untrimmed", [=] { return load_file(teapot); }, mesh_uniformly},
-      {"wavy-torus", "2048 bicubic patches, closed, curvature continuous",
-       [] {
-         return Result<TraceScene>(test::one_face(wavy_torus(), {{0, 0}, {kRound, kAcross}}));
-       },
-       mesh_uniformly},
-      cad("linkrods", "occt-misc step/linkrods.step, trimmed, up to degree 6 x 10", linkrods),
-      cad("motor-c", "occt-misc occ/Motor-c.brep, trimmed, mostly planes and cylinders", motor),
+      smooth("wavy-torus", "2048 bicubic patches, closed, curvature continuous", all, [] { return wavy_torus(64, 32); }),
+      smooth("small-torus", "32 bicubic patches, closed, curvature continuous", {"primary", "bounce", "room", "occlusion"},
+             [] { return wavy_torus(8, 4); }),
+      smooth("rational-torus", "torus of 16 rational biquadratic patches", rays, rational_torus),
+      teapot(),
+      plate(),
+      cad("linkrods", "occt-misc step/linkrods.step, trimmed, up to degree 6 x 10", occt + "step/linkrods.step", with_image),
+      cad("motor-c", "occt-misc occ/Motor-c.brep, trimmed, mostly planes and cylinders", occt + "occ/Motor-c.brep", with_image),
+      cad("hammer", "occt-misc iges/hammer.iges, trimmed", occt + "iges/hammer.iges", rays),
+      cad("propeller", "occt-misc occ/Propeller.rle, trimmed", occt + "occ/Propeller.rle", rays),
   };
 }
 

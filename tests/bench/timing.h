@@ -37,6 +37,8 @@ struct Timing {
   double median = 0, deviation = 0;
 };
 
+inline Timing scaled(const Timing& timing, double by) { return {by * timing.median, by * timing.deviation}; }
+
 inline Timing timing_of(const std::vector<double>& values) {
   const double middle = median(values);
   std::vector<double> apart;

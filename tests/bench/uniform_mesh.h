@@ -6,9 +6,9 @@
 
 namespace iso::bench {
 
-// Each piece gets the coarsest grid (in steps of about a twentieth) whose measured error is at most `tolerance`, so the comparison is not
-// with more triangles than are needed. Neighbours with different grids leave cracks below the tolerance. The surface is sampled at the
-// middle and the mid-sides of every triangle. Faces must be untrimmed.
+// Each piece gets about the coarsest grid (its measured error lies within a twentieth below `tolerance`, where the number of cells allows
+// that), so the comparison is not with more triangles than are needed. Neighbours with different grids leave cracks below the tolerance.
+// The surface is sampled at the middle and the mid-sides of every triangle. Faces must be untrimmed.
 TriangleMesh mesh_uniformly(const TraceScene& scene, double tolerance);
 
 }  // namespace iso::bench

@@ -13,6 +13,7 @@
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
+#include <OSD_Chronometer.hxx>
 #include <Poly_Triangulation.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
@@ -133,7 +134,11 @@ OcctMesh mesh_file(const std::string& path, const MeshFineness& fineness) {
 
   OcctMesh mesh;
   mesh.deflection = fineness.deflection * std::sqrt(box.SquareExtent());
+  OSD_Chronometer clock(Standard_True);
+  clock.Start();
   mesh.status = mesh_shape(shape, mesh.deflection, fineness.angle);
+  clock.Stop();
+  mesh.seconds = clock.UserTimeCPU() + clock.SystemTimeCPU();
   TopTools_IndexedMapOfShape faces;
   TopExp::MapShapes(shape, TopAbs_FACE, faces);
   mesh.faces = faces.Extent();

@@ -28,6 +28,7 @@ struct OcctMesh {
   std::vector<int> unmeshed;  // faces that the mesher left without triangles
   std::string status;         // what the mesher says of itself where it is not content, else empty
   Box3 box;                   // of the points
+  double seconds = 0;         // CPU time of the mesher, without reading; of the calling thread, which does it all
 };
 
 // Deflection as a share of the box's diagonal, and the largest angle between neighbouring segments, radians.
