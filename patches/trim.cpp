@@ -140,7 +140,7 @@ bool TrimRegion::comes_near(const Clip& clip, const TrimPiece& piece, UV uv) con
     return uv.y < std::min(a.y, b.y) - piece.reach.y || uv.y > std::max(a.y, b.y) + piece.reach.y ||
            uv.x < std::min(a.x, b.x) - piece.reach.x || uv.x > std::max(a.x, b.x) + piece.reach.x;
   };
-  if (beside(clip.p0, clip.p1)) return false;
+  if (beside(clip.p0, clip.p1) || !piece.near_box.contains(uv)) return false;
   const double across = clip.across(uv);
   const double slack = piece.reach.x * (clip.p1.y - clip.p0.y) + piece.reach.y * std::abs(clip.p1.x - clip.p0.x);
   if (across < clip.lo - slack || across > clip.hi + slack) return false;

@@ -25,7 +25,8 @@ struct TrimPiece {
   bool polynomial = true;  // all weights are one
   double tolerance = 0;    // world units; points this near to the piece count as inside
   Box2 box;
-  Vec2 reach{0.0};  // no point farther than this from the piece, in u or in v, can be let in by the tolerance
+  Box2 near_box;    // holds all points that the tolerance can let in
+  Vec2 reach{0.0};  // nor can it let in a point farther than this, in u or in v, from all points of the piece
 };
 
 class TrimRegion {

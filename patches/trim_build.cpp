@@ -112,27 +112,37 @@ void TrimRegion::add_monotone(const std::vector<Vec3>& points, const TrimPiece& 
 
 namespace {
 
-// Largest step in (u, v) that stays within `tolerance` of the world near a piece; a vanishing derivative is held at a share of the other
-// samples'.
-Vec2 reach_in_parameters(const AnySurface& surface, const Box2& box, double tolerance) {
-  Vec2 least{kInf}, most{0.0};
+struct Reach {
+  Vec2 along;  // largest step in u alone and in v alone
+  Vec2 askew;  // the same in both at once, which is more where Su and Sv are askew
+};
+
+// Steps in (u, v) that stay within `tolerance` of the world near a piece; a vanishing derivative, or a vanishing height of the
+// parallelogram of both, is held at a share of the other samples' derivatives.
+Reach reach_in_parameters(const AnySurface& surface, const Box2& box, double tolerance) {
+  Vec2 least{kInf}, most{0.0}, height{kInf};
   for (int i = 0; i <= 2; ++i) {
     const Jet2 j = jet2(surface, box.lo + 0.5 * i * box.size());
     const Vec2 speed{glm::length(j.Su), glm::length(j.Sv)};
+    const double area = glm::length(glm::cross(j.Su, j.Sv));
     least = glm::min(least, speed);
     most = glm::max(most, speed);
+    height = glm::min(height, Vec2{speed.y > 0 ? area / speed.y : speed.x, speed.x > 0 ? area / speed.x : speed.y});
   }
-  const Vec2 speed = glm::max(least, glm::max(1e-2 * most, Vec2(1e-300)));
-  return 2.0 * tolerance / speed;
+  const Vec2 floor = glm::max(1e-2 * most, Vec2(1e-300));
+  const Vec2 along = 2.0 * tolerance / glm::max(least, floor);
+  return {along, glm::max(along, 2.0 * tolerance / glm::max(height, floor))};
 }
 
 }  // namespace
 
 void TrimRegion::make_grid(const AnySurface& surface) {
   for (TrimPiece& piece : pieces_) {
-    piece.reach = kMostStretch * reach_in_parameters(surface, piece.box, piece.tolerance);
+    const Reach reach = reach_in_parameters(surface, piece.box, piece.tolerance);
+    piece.near_box = {piece.box.lo - kMostStretch * reach.along, piece.box.hi + kMostStretch * reach.along};
+    piece.reach = kMostStretch * reach.askew;
     loops_box_.include(piece.box);
-    reach_box_.include(Box2{piece.box.lo - piece.reach, piece.box.hi + piece.reach});
+    reach_box_.include(piece.near_box);
   }
   Vec2 size = loops_box_.size();
   for (int c = 0; c < 2; ++c)
@@ -252,7 +262,8 @@ void TrimRegion::cut_at_grid(std::uint32_t k, CellParts& parts) const {
       parts.within[static_cast<std::size_t>(r) * columns_ + c].push_back(number);
     }
     // The cells that its tolerance may let points in: around the box of its ends.
-    const Vec2 lo = glm::min(from.p, to.p) - piece.reach, hi = glm::max(from.p, to.p) + piece.reach;
+    const Vec2 lo = glm::max(glm::min(from.p, to.p) - piece.reach, piece.near_box.lo);
+    const Vec2 hi = glm::min(glm::max(from.p, to.p) + piece.reach, piece.near_box.hi);
     const int c0 = column(lo.x), c1 = column(hi.x), r0 = row(lo.y), r1 = row(hi.y);
     for (int r = r0; r <= r1; ++r)
       for (int c = c0; c <= c1; ++c) parts.near[static_cast<std::size_t>(r) * columns_ + c].push_back(number);
