@@ -103,6 +103,7 @@ void TrimRegion::add_monotone(const std::vector<Vec3>& points, const TrimPiece& 
     piece.degree = static_cast<std::int32_t>(left.size()) - 1;
     piece.box.include(project(left.front()));
     piece.box.include(project(left.back()));
+    for (const Vec3& h : left) piece.polynomial = piece.polynomial && h.z == 1;
     points_.insert(points_.end(), left.begin(), left.end());
     pieces_.push_back(piece);
     rest = right;
@@ -111,26 +112,35 @@ void TrimRegion::add_monotone(const std::vector<Vec3>& points, const TrimPiece& 
 
 namespace {
 
-// Largest step in (u, v) that stays within `tolerance` of the world near a piece; a vanishing derivative is held at a share of the other
-// samples'.
-Vec2 reach_in_parameters(const AnySurface& surface, const Box2& box, double tolerance) {
-  Vec2 least{kInf}, most{0.0};
+struct Reach {
+  Vec2 along;  // largest step in u alone and in v alone
+  Vec2 askew;  // the same in both at once, which is more where Su and Sv are askew
+};
+
+// Steps in (u, v) that stay within `tolerance` of the world near a piece; a vanishing derivative, or a vanishing height of the
+// parallelogram of both, is held at a share of the other samples' derivatives.
+Reach reach_in_parameters(const AnySurface& surface, const Box2& box, double tolerance) {
+  Vec2 least{kInf}, most{0.0}, height{kInf};
   for (int i = 0; i <= 2; ++i) {
     const Jet2 j = jet2(surface, box.lo + 0.5 * i * box.size());
     const Vec2 speed{glm::length(j.Su), glm::length(j.Sv)};
+    const double area = glm::length(glm::cross(j.Su, j.Sv));
     least = glm::min(least, speed);
     most = glm::max(most, speed);
+    height = glm::min(height, Vec2{speed.y > 0 ? area / speed.y : speed.x, speed.x > 0 ? area / speed.x : speed.y});
   }
-  const Vec2 speed = glm::max(least, glm::max(1e-2 * most, Vec2(1e-300)));
-  return 2.0 * tolerance / speed;
+  const Vec2 floor = glm::max(1e-2 * most, Vec2(1e-300));
+  const Vec2 along = 2.0 * tolerance / glm::max(least, floor);
+  return {along, glm::max(along, 2.0 * tolerance / glm::max(height, floor))};
 }
 
 }  // namespace
 
 void TrimRegion::make_grid(const AnySurface& surface) {
   for (TrimPiece& piece : pieces_) {
-    const Vec2 reach = kMostStretch * reach_in_parameters(surface, piece.box, piece.tolerance);
-    piece.near_box = {piece.box.lo - reach, piece.box.hi + reach};
+    const Reach reach = reach_in_parameters(surface, piece.box, piece.tolerance);
+    piece.near_box = {piece.box.lo - kMostStretch * reach.along, piece.box.hi + kMostStretch * reach.along};
+    piece.reach = kMostStretch * reach.askew;
     loops_box_.include(piece.box);
     reach_box_.include(piece.near_box);
   }
@@ -146,6 +156,7 @@ void TrimRegion::make_grid(const AnySurface& surface) {
   columns_ = std::clamp(static_cast<int>(std::sqrt(cells) * aspect), 4, 1024);
   rows_ = std::clamp(static_cast<int>(std::sqrt(cells) / aspect), 4, 1024);
   step_ = {(box_.hi.x - box_.lo.x) / columns_, (box_.hi.y - box_.lo.y) / rows_};
+  per_step_ = 1.0 / step_;
 }
 
 namespace {
@@ -175,79 +186,126 @@ void make_monotone(std::vector<Cut>& cuts, const Vec2& direction) {
 
 }  // namespace
 
-void TrimRegion::fill_cells() {
-  const std::size_t count = static_cast<std::size_t>(columns_) * rows_;
-  std::vector<std::vector<Clip>> clips(count);
-  std::vector<std::vector<std::uint32_t>> near(count);
-  const auto line_u = [&](int i) { return box_.lo.x + i * step_.x; };
-  const auto line_v = [&](int j) { return box_.lo.y + j * step_.y; };
-  std::vector<Cut> cuts;
-  for (std::uint32_t k = 0; k < pieces_.size(); ++k) {
-    TrimPiece& piece = pieces_[k];
-    const UV start = point_at(piece, 0), end = point_at(piece, 1);
-    cuts.assign({{0.0, start, {true, true}}, {1.0, end, {true, true}}});
-    // Where the piece crosses the grid lines strictly inside its box.
-    for (const int c : {0, 1}) {
-      const double lo = piece.box.lo[c], hi = piece.box.hi[c];
-      const int first = c == 0 ? column(lo) : row(lo), last = c == 0 ? column(hi) : row(hi);
-      for (int i = first; i <= last + 1; ++i) {
-        const double line = c == 0 ? line_u(i) : line_v(i);
-        if (!(lo < line && line < hi)) continue;
-        double a = 0, b = 1;
-        const bool rising = end[c] > start[c];
-        for (int step = 0; step < 56; ++step) {
-          const double m = 0.5 * (a + b);
-          ((point_at(piece, m)[c] < line) == rising ? a : b) = m;
-        }
-        UV p = point_at(piece, 0.5 * (a + b));
-        p[c] = line;
-        p = glm::clamp(p, piece.box.lo, piece.box.hi);
-        p[c] = line;
-        cuts.push_back({0.5 * (a + b), p, {c == 0, c == 1}});
+// The clips of all pieces in the order of their making, and per cell the numbers of those that lie in it and of those near it.
+struct TrimRegion::CellParts {
+  std::vector<Clip> clips;
+  std::vector<std::vector<std::uint32_t>> within, near;
+};
+
+// Bounds of the curve across the clip's chord: the hull of the Bezier points of this part of it, widened by what rounding may do to the
+// points, to the snapped ends and to the product.
+void TrimRegion::bound_clip(Clip& clip) const {
+  const TrimPiece& piece = pieces_[clip.piece];
+  const double du = std::abs(clip.p1.x - clip.p0.x), dv = clip.p1.y - clip.p0.y;
+  Range across;
+  across.include(0.0);
+  Vec2 largest = glm::max(glm::abs(clip.p0), glm::abs(clip.p1));
+  if (piece.degree > 1) {
+    const std::vector<Vec3> points(points_.begin() + piece.first, points_.begin() + piece.first + piece.degree + 1);
+    for (const Vec3& h : bernstein_part(points, std::min(clip.t0, clip.t1), std::max(clip.t0, clip.t1))) {
+      across.include(clip.across(project(h)));
+      largest = glm::max(largest, glm::abs(project(h)));
+    }
+    for (const Vec3& h : points) largest = glm::max(largest, glm::abs(project(h)));
+  }
+  // De Casteljau errs by a few units in the last place of the largest coordinate per degree; the second term is the product's share.
+  const double rounding = 16 * (piece.degree + 2) * kEps * (largest.x * dv + largest.y * du) + 16 * kEps * (step_.x + du) * dv;
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  clip.lo = std::nextafter(static_cast<float>(across.lo - rounding), -kFar);
+  clip.hi = std::nextafter(static_cast<float>(across.hi + rounding), kFar);
+}
+
+void TrimRegion::cut_at_grid(std::uint32_t k, CellParts& parts) const {
+  const TrimPiece& piece = pieces_[k];
+  const UV start = point_at(piece, 0), end = point_at(piece, 1);
+  std::vector<Cut> cuts{{0.0, start, {true, true}}, {1.0, end, {true, true}}};
+  // Where the piece crosses the grid lines strictly inside its box.
+  for (const int c : {0, 1}) {
+    const double lo = piece.box.lo[c], hi = piece.box.hi[c];
+    const int first = c == 0 ? column(lo) : row(lo), last = c == 0 ? column(hi) : row(hi);
+    for (int i = first; i <= last + 1; ++i) {
+      const double line = box_.lo[c] + i * step_[c];
+      if (!(lo < line && line < hi)) continue;
+      double a = 0, b = 1;
+      const bool rising = end[c] > start[c];
+      for (int step = 0; step < 56; ++step) {
+        const double m = 0.5 * (a + b);
+        ((point_at(piece, m)[c] < line) == rising ? a : b) = m;
       }
-    }
-    // In order along the piece; its ends stay first and last whatever the others' rounded t, and equal t go by the coordinates.
-    std::swap(cuts[1], cuts.back());
-    const Vec2 forward{end.x >= start.x ? 1 : -1, end.y >= start.y ? 1 : -1};
-    std::sort(cuts.begin() + 1, cuts.end() - 1,
-              [&](const Cut& x, const Cut& y) { return x.t != y.t ? x.t < y.t : glm::dot(forward, x.p) < glm::dot(forward, y.p); });
-    make_monotone(cuts, end - start);
-    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-      if (cuts[i].p == cuts[i + 1].p) continue;
-      const UV middle = 0.5 * (cuts[i].p + cuts[i + 1].p);
-      clips[static_cast<std::size_t>(row(middle.y)) * columns_ + column(middle.x)].push_back(
-          {k, cuts[i].t, cuts[i + 1].t, cuts[i].p, cuts[i + 1].p});
-    }
-    // The cells that its tolerance may let points in: around each part between cuts, whose box is that of its ends.
-    const Vec2 reach = piece.near_box.hi - piece.box.hi;
-    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-      const Vec2 lo = glm::min(cuts[i].p, cuts[i + 1].p) - reach, hi = glm::max(cuts[i].p, cuts[i + 1].p) + reach;
-      const int c0 = column(lo.x), c1 = column(hi.x), r0 = row(lo.y), r1 = row(hi.y);
-      for (int r = r0; r <= r1; ++r)
-        for (int c = c0; c <= c1; ++c)
-          if (auto& list = near[static_cast<std::size_t>(r) * columns_ + c]; list.empty() || list.back() != k) list.push_back(k);
+      UV p = point_at(piece, 0.5 * (a + b));
+      p[c] = line;
+      p = glm::clamp(p, piece.box.lo, piece.box.hi);
+      p[c] = line;
+      cuts.push_back({0.5 * (a + b), p, {c == 0, c == 1}});
     }
   }
-  cells_.resize(count + 1);
+  // In order along the piece; its ends stay first and last whatever the others' rounded t, and equal t go by the coordinates.
+  std::swap(cuts[1], cuts.back());
+  const Vec2 forward{end.x >= start.x ? 1 : -1, end.y >= start.y ? 1 : -1};
+  std::sort(cuts.begin() + 1, cuts.end() - 1,
+            [&](const Cut& x, const Cut& y) { return x.t != y.t ? x.t < y.t : glm::dot(forward, x.p) < glm::dot(forward, y.p); });
+  make_monotone(cuts, end - start);
+  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+    const Cut &from = cuts[i].p.y <= cuts[i + 1].p.y ? cuts[i] : cuts[i + 1], &to = &from == &cuts[i] ? cuts[i + 1] : cuts[i];
+    const auto number = static_cast<std::uint32_t>(parts.clips.size());
+    Clip& clip = parts.clips.emplace_back();
+    clip.piece = k;
+    clip.p0 = from.p, clip.p1 = to.p;
+    clip.t0 = from.t, clip.t1 = to.t;
+    bound_clip(clip);
+    if (from.p != to.p) {
+      const UV middle = 0.5 * (from.p + to.p);
+      const int c = column(middle.x), r = row(middle.y);
+      const double left = box_.lo.x + c * step_.x, bottom = box_.lo.y + r * step_.y;
+      clip.enters0 = from.p.x == left && from.p.y > bottom;
+      clip.enters1 = to.p.x == left && to.p.y > bottom;
+      parts.within[static_cast<std::size_t>(r) * columns_ + c].push_back(number);
+    }
+    // The cells that its tolerance may let points in: around the box of its ends.
+    const Vec2 lo = glm::max(glm::min(from.p, to.p) - piece.reach, piece.near_box.lo);
+    const Vec2 hi = glm::min(glm::max(from.p, to.p) + piece.reach, piece.near_box.hi);
+    const int c0 = column(lo.x), c1 = column(hi.x), r0 = row(lo.y), r1 = row(hi.y);
+    for (int r = r0; r <= r1; ++r)
+      for (int c = c0; c <= c1; ++c) parts.near[static_cast<std::size_t>(r) * columns_ + c].push_back(number);
+  }
+}
+
+void TrimRegion::fill_cells() {
+  const std::size_t count = static_cast<std::size_t>(columns_) * rows_;
+  CellParts parts{{}, std::vector<std::vector<std::uint32_t>>(count), std::vector<std::vector<std::uint32_t>>(count)};
+  for (std::uint32_t k = 0; k < pieces_.size(); ++k) cut_at_grid(k, parts);
+  states_.resize(count);
+  lists_.resize(count + 1);
+  // The clips in the order of the cells; those without length, which no cell holds, come last.
+  constexpr std::uint32_t kNowhere = ~0u;
+  std::vector<std::uint32_t> place(parts.clips.size(), kNowhere);
+  clips_.reserve(parts.clips.size());
+  const auto put = [&](std::uint32_t number) {
+    place[number] = static_cast<std::uint32_t>(clips_.size());
+    clips_.push_back(parts.clips[number]);
+  };
   for (int r = 0; r < rows_; ++r) {
     bool inside = false;
     for (int c = 0; c < columns_; ++c) {
       const std::size_t index = static_cast<std::size_t>(r) * columns_ + c;
-      Cell& cell = cells_[index];
-      cell.clips_begin = static_cast<std::uint32_t>(clips_.size());
-      cell.near_begin = static_cast<std::uint32_t>(near_.size());
-      cell.corner_inside = inside;
-      const bool plain = clips[index].empty() && near[index].empty();
-      cell.kind = plain ? (inside ? Kind::inside : Kind::outside) : Kind::crossing;
-      const double bottom = line_v(r);
-      for (const Clip& clip : clips[index])
-        if (std::min(clip.p0.y, clip.p1.y) <= bottom && std::max(clip.p0.y, clip.p1.y) > bottom) inside = !inside;
-      clips_.insert(clips_.end(), clips[index].begin(), clips[index].end());
-      near_.insert(near_.end(), near[index].begin(), near[index].end());
+      const bool plain = parts.within[index].empty() && parts.near[index].empty();
+      lists_[index].clips_begin = static_cast<std::uint32_t>(clips_.size());
+      states_[index] = {plain ? (inside ? Kind::inside : Kind::outside) : Kind::crossing, inside};
+      const double bottom = box_.lo.y + r * step_.y;
+      for (const std::uint32_t number : parts.within[index]) {
+        put(number);
+        if (clips_.back().p0.y <= bottom && clips_.back().p1.y > bottom) inside = !inside;
+      }
     }
   }
-  cells_[count].clips_begin = static_cast<std::uint32_t>(clips_.size());
-  cells_[count].near_begin = static_cast<std::uint32_t>(near_.size());
+  lists_[count].clips_begin = static_cast<std::uint32_t>(clips_.size());
+  for (std::uint32_t number = 0; number < place.size(); ++number)
+    if (place[number] == kNowhere) put(number);
+  for (std::size_t index = 0; index < count; ++index) {
+    lists_[index].near_begin = static_cast<std::uint32_t>(near_.size());
+    for (const std::uint32_t number : parts.near[index]) near_.push_back(place[number]);
+  }
+  lists_[count].near_begin = static_cast<std::uint32_t>(near_.size());
 }
 
 }  // namespace iso

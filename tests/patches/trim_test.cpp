@@ -180,6 +180,80 @@ TEST(Trim, HighDegreeRationalLoops) {
   tally.finish(wanted);
 }
 
+// ---- tolerance ---------------------------------------------------------------------------------------------------------
+
+// Beyond a circle, outward or into a hole, by up to twice what the tolerance lets in: a ray that grazes stretches it, up to kMostStretch.
+TEST(Trim, ToleranceAlongCirclesForRaysThatGraze) {
+  Random random(kSeed + 5);
+  Tally tally("circles with a tolerance", kSeed + 5);
+  std::uint64_t wanted = 0, let_in = 0;
+  for (int round = 0; round < 100; ++round) {
+    const double r = std::pow(10.0, between(random, -2, 3)), tolerance = r * std::pow(10.0, between(random, -9, -2.5));
+    const Face face = face_of(Plane{}, {circle_loop({0, 0}, 3 * r, round), circle_loop({0.1 * r, 0}, r, round, true)});
+    const TrimRegion trim(face, {}, tolerance);
+    for (int i = 0; i < 400; ++i) {
+      const double cosine = std::pow(10.0, between(random, -1.5, 0)), share = between(random, 0, 2), angle = between(random, 0, kTwoPi);
+      if (std::abs(share - 1) < 0.001) continue;
+      ++wanted;
+      const bool ray = i % 3 != 0;
+      const double most = tolerance * (ray ? std::min(1 / cosine, TrimRegion::kMostStretch) : 1.0);
+      const UV way{std::cos(angle), std::sin(angle)};
+      const UV p = i % 2 ? (3 * r + share * most) * way : UV(0.1 * r, 0) + (r - share * most) * way;
+      const Vec3 direction = ray ? 5.0 * Vec3(std::sqrt(1 - cosine * cosine), 0, -cosine) : Vec3(0.0);
+      const auto answer = trim.contains(p, face.surface, direction);
+      let_in += answer.by_tolerance;
+      tally.check(answer.inside == (share < 1) && answer.by_tolerance == (share < 1), [&] {
+        return fmt::format("{} of {} off a circle of radius {}, ray {} of cosine {}: inside = {}, by tolerance = {}", share, most, r, ray,
+                           cosine, answer.inside, answer.by_tolerance);
+      });
+    }
+  }
+  EXPECT_GE(wanted, 39500u);
+  EXPECT_GE(let_in, 18000u);
+  tally.finish(wanted);
+}
+
+// Loops of every degree on a plane whose parameter lines are askew, against the least distance of many points of the curve.
+TEST(Trim, ToleranceIsTheDistanceFromTheCurveWhereParametersAreAskew) {
+  Random random(kSeed + 6);
+  Tally tally("askew", kSeed + 6);
+  std::uint64_t near = 0, far = 0;
+  constexpr int kPoints = 4000;
+  for (int round = 0; round < 60; ++round) {
+    NurbsCurve<Vec2> curve;
+    const int spans = whole(random, 3, 9), degree = whole(random, 2, 12);
+    random_star(random, spans, degree, curve);
+    const double slant = between(random, -3, 3);
+    const AnySurface surface = Extrusion{Line<Vec3>{{1, 2, 3}, {2, 0, 0}}, {slant, 0.5, 0}, {-10, 10}};
+    const Face face = face_of(surface, {{{{curve, 0, double(spans), -1}}}});
+    const double tolerance = std::pow(10.0, between(random, -3, -1));
+    const TrimRegion trim(face, {}, tolerance);
+    const auto in_world = [&](Vec2 d) { return Vec3(2 * d.x + slant * d.y, 0.5 * d.y, 0); };
+    std::vector<UV> points;
+    double longest = 0;
+    for (int k = 0; k <= kPoints; ++k) {
+      points.push_back(jet(Curve2(curve), double(spans) * k / kPoints).C);
+      if (k > 0) longest = std::max(longest, glm::length(in_world(points[k] - points[k - 1])));
+    }
+    for (int i = 0; i < 600; ++i) {
+      const UV p = points[static_cast<std::size_t>(whole(random, 0, kPoints))] + random_vector<Vec2>(random, 4 * tolerance);
+      double distance = kInf;
+      for (const UV& q : points) distance = std::min(distance, glm::length(in_world(q - p)));
+      const auto answer = trim.contains(p, surface);
+      if (answer.inside && !answer.by_tolerance) continue;
+      if (std::abs(distance - tolerance) <= longest) continue;  // the curve may come nearer between two of the points
+      (answer.inside ? near : far)++;
+      tally.check(answer.inside == (distance < tolerance), [&] {
+        return fmt::format("degree {}, slant {}, ({:.17g}, {:.17g}), {:.3g} tolerances off: inside = {}", degree, slant, p.x, p.y,
+                           distance / tolerance, answer.inside);
+      });
+    }
+  }
+  EXPECT_GE(near, 500u);
+  EXPECT_GE(far, 2000u);
+  tally.finish(near + far);
+}
+
 // ---- classification ----------------------------------------------------------------------------------------------------
 
 TEST(Trim, ClassifyNeverContradictsContains) {
