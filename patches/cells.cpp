@@ -15,11 +15,31 @@ struct Node {
   int levels = 0;
 };
 
+// How far a derivative strays from that of the linear model, in all and by its parts along and square to the model's normal.
+struct Stray {
+  double length = 0, normal = 0, tangential = 0;
+
+  void include(const Vec3& v, const Vec3& n) {
+    const double along = glm::dot(v, n);
+    length = std::max(length, glm::length(v));
+    normal = std::max(normal, std::abs(along));
+    tangential = std::max(tangential, glm::length(v - along * n));
+  }
+  Stray& operator*=(double by) {
+    length *= by;
+    normal *= by;
+    tangential *= by;
+    return *this;
+  }
+};
+constexpr Stray kUnbounded{kInf, kInf, kInf};
+
 // The linear model of a subpatch about its middle, and bounds on how far its derivatives stray from it.
 struct LinearModel {
   Point3 centre{0.0};
   Vec3 A{0.0}, B{0.0};
-  double stray_a = 0, stray_b = 0;
+  Vec3 normal{0.0};  // of unit length; zero where A and B are parallel
+  Stray stray_a, stray_b;
   double along_s = 0, along_t = 0;  // how much the derivatives vary when moving in s, in t, as shares of |A| and |B|
   int split_direction() const { return along_s >= along_t ? 0 : 1; }
 };
@@ -35,10 +55,9 @@ void bound_polynomial(const BezierPatch& patch, LinearModel& m) {
   const int pu = patch.pu, pv = patch.pv;
   const double scale = 0.5 / patch.net.front().w;
   for (int i = 0; i < pu; ++i)
-    for (int j = 0; j <= pv; ++j)
-      m.stray_a = std::max(m.stray_a, glm::length(scale * pu * Vec3(patch.at(i + 1, j) - patch.at(i, j)) - m.A));
+    for (int j = 0; j <= pv; ++j) m.stray_a.include(scale * pu * Vec3(patch.at(i + 1, j) - patch.at(i, j)) - m.A, m.normal);
   for (int i = 0; i <= pu; ++i)
-    for (int j = 0; j < pv; ++j) m.stray_b = std::max(m.stray_b, glm::length(scale * pv * Vec3(patch.at(i, j + 1) - patch.at(i, j)) - m.B));
+    for (int j = 0; j < pv; ++j) m.stray_b.include(scale * pv * Vec3(patch.at(i, j + 1) - patch.at(i, j)) - m.B, m.normal);
 }
 
 // Binomial coefficients as doubles.
@@ -57,12 +76,12 @@ const std::array<double, 2 * kMaxDegree + 1>& binomials(int n) {
 // Rational patches: dS/ds - A = ((P_s w - P w_s) - A w^2) / w^2, with P about the middle. Numerator and denominator are polynomials of
 // degree (2p, 2q), multiplied out in Bernstein form (coefficients times binomials multiply like power series); their coefficients bound the
 // quotient.
-double bound_rational(const BezierPatch& patch, const LinearModel& m, int direction) {
+Stray bound_rational(const BezierPatch& patch, const LinearModel& m, int direction) {
   const int pu = patch.pu, pv = patch.pv;
   const Vec3 mean = direction == 0 ? m.A : m.B;
   // Differences of one degree less in `direction`, then one elevation back, so that all sums have degree (2 pu, 2 pv).
   const int ru = direction == 0 ? pu - 1 : pu, rv = direction == 0 ? pv : pv - 1;
-  if (ru < 0 || rv < 0) return 0;
+  if (ru < 0 || rv < 0) return {};
   const auto shifted = [&](int i, int j) { return Vec4(Vec3(patch.at(i, j)) - patch.at(i, j).w * m.centre, patch.at(i, j).w); };
   std::vector<Vec4> net, difference;
   for (int i = 0; i <= pu; ++i)
@@ -88,7 +107,8 @@ double bound_rational(const BezierPatch& patch, const LinearModel& m, int direct
         for (int l = 0; l <= pv; ++l)
           square[static_cast<std::size_t>(i + k) * (2 * pv + 1) + j + l] += at(i, j).w * at(k, l).w * cu[i] * cv[j] * cu[k] * cv[l];
   const auto &fu = binomials(2 * pu), &fv = binomials(2 * pv);
-  double worst = 0, least = kInf;
+  Stray worst;
+  double least = kInf;
   for (int i = 0; i <= 2 * pu; ++i)
     for (int j = 0; j <= 2 * pv; ++j) {
       // Scaled coefficients (with the binomials in them) are raised a degree by adding their lower neighbour.
@@ -97,10 +117,10 @@ double bound_rational(const BezierPatch& patch, const LinearModel& m, int direct
       if (i <= du && j <= dv) raised += product[static_cast<std::size_t>(i) * (dv + 1) + j];
       if (bi >= 0 && bj >= 0) raised += product[static_cast<std::size_t>(bi) * (dv + 1) + bj];
       const double w2 = square[static_cast<std::size_t>(i) * (2 * pv + 1) + j];
-      worst = std::max(worst, glm::length(raised - mean * w2) / (fu[i] * fv[j]));
+      worst.include((raised - mean * w2) / (fu[i] * fv[j]), m.normal);
       least = std::min(least, w2 / (fu[i] * fv[j]));
     }
-  return least > 0 ? worst / least : kInf;
+  return least > 0 ? worst *= 1 / least : kUnbounded;
 }
 
 // Half-width derivatives of S.
@@ -116,15 +136,17 @@ Slopes slopes(const BezierPatch& patch, const Vec2& st) {
 // The model over [-kCellMargin, kCellMargin]^2, for a patch over that square; all derivatives count in the cell's own parameters.
 LinearModel model_of(const BezierPatch& patch) {
   LinearModel m;
-  for (const Vec4& h : patch.net)
-    if (!(h.w > 0)) m.stray_a = m.stray_b = kInf;  // beyond its border a rational patch may have a pole
   m.centre = project(homogeneous_jet(patch, {0.5, 0.5}).H);
   const Slopes middle = slopes(patch, {0.5, 0.5});
   m.A = middle.a;
   m.B = middle.b;
+  const Vec3 cross = glm::cross(m.A, m.B);
+  if (cross != Vec3(0.0)) m.normal = glm::normalize(cross);
   if (is_rational(patch)) {
     m.stray_a = bound_rational(patch, m, 0);
     m.stray_b = bound_rational(patch, m, 1);
+    for (const Vec4& h : patch.net)
+      if (!(h.w > 0)) m.stray_a = m.stray_b = kUnbounded;  // beyond its border a rational patch may have a pole
   } else {
     bound_polynomial(patch, m);
   }
@@ -136,8 +158,8 @@ LinearModel model_of(const BezierPatch& patch) {
   m.along_s = variation({0, 0.5}, {0.5, 0.5}) + variation({0.5, 0.5}, {1, 0.5});
   m.along_t = variation({0.5, 0}, {0.5, 0.5}) + variation({0.5, 0.5}, {0.5, 1});
   for (Vec3* slope : {&m.A, &m.B}) *slope /= kCellMargin;
-  m.stray_a /= kCellMargin;
-  m.stray_b /= kCellMargin;
+  m.stray_a *= 1 / kCellMargin;
+  m.stray_b *= 1 / kCellMargin;
   return m;
 }
 
@@ -169,10 +191,14 @@ Slab slab_of(const BezierPatch& patch, const LinearModel& m) {
   return slab;
 }
 
-// The contraction of Newton's map over the cell for a head-on ray: the strays against the heights of A and B over each other.
-double bend_of(const LinearModel& m) {
-  const double cross = glm::length(glm::cross(m.A, m.B));
-  return cross > 0 ? (m.stray_a * glm::length(m.B) + m.stray_b * glm::length(m.A)) / cross : kInf;
+// FaceCell::tilt. In the tangent plane Newton's map strays from the identity by what the ray moves there of the strays of the derivatives,
+// v_a row[0]^T + v_b row[1]^T with the rows of the slab. Their tangential parts stay; the parts along the normal slide by the tangent of
+// the ray's angle, times the vector n . v_a row[0] + n . v_b row[1]. Below one, in the spectral norm, the map contracts.
+double tilt_of(const LinearModel& m, const Slab& slab) {
+  if (m.normal == Vec3(0.0)) return kInf;
+  const Vec3 a = m.stray_a.normal * slab.row[0], b = m.stray_b.normal * slab.row[1];
+  const double left = 1 - m.stray_a.tangential * glm::length(slab.row[0]) - m.stray_b.tangential * glm::length(slab.row[1]);
+  return left > 0 ? std::max(glm::length(a + b), glm::length(a - b)) / left : kInf;
 }
 
 // FaceCell::curls of a patch that reaches kCellMargin beyond the cell; f = n . (P - c w) - (d - n . c) w with |d - n . c| <= radius.
@@ -219,12 +245,13 @@ void divide(const BezierPiece& piece, int piece_index, const TrimRegion& trim, c
     const Box3 box = hull_box(node.patch);
     const BezierPatch wide = with_margin(node.patch);
     const LinearModel m = model_of(wide);
-    const double bend = bend_of(m);
+    const Slab slab = slab_of(node.patch, m);
+    const double tilt = tilt_of(m, slab);
     const bool last = node.levels >= policy.most_levels || (node.levels >= 6 && box.diagonal() < policy.small);
-    if (last || bend <= policy.bend) {
-      const Slab slab = slab_of(node.patch, m);
+    if (last || tilt <= policy.bend) {
       const Vec3 curls = curls_of(wide, m.centre, radius_of(slab));
-      cells.push_back({piece_index, node.lo, node.hi, m.centre, m.A, m.B, m.stray_a, m.stray_b, bend, curls, box, slab, kind});
+      cells.push_back(
+          {piece_index, node.lo, node.hi, m.centre, m.A, m.B, m.stray_a.length, m.stray_b.length, tilt, curls, box, slab, kind});
       continue;
     }
     const Vec2 width = node.hi - node.lo;

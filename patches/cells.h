@@ -25,7 +25,8 @@ struct FaceCell {
   Point3 centre{0.0};
   Vec3 A{0.0}, B{0.0};
   double stray_a = 0, stray_b = 0;
-  double bend = kInf;  // the contraction of Newton's map for a ray along the normal; for others it is this over the cosine
+  // A ray has at most one root in that square if the tangent of its angle to the slab's normal is below 1 / tilt.
+  double tilt = kInf;
   // Bounds on the second derivatives of a ray's plane equations f = n . P - d w, |n| = 1, for planes that come within the slab:
   // |f_aa|, |f_ab| and |f_bb| over the same square.
   Vec3 curls{kInf};
@@ -39,7 +40,7 @@ inline constexpr double kCellMargin = 1.25;
 
 // How fine to divide.
 struct CellPolicy {
-  double bend = 0.35;    // split until FaceCell::bend is below this
+  double bend = 0.25;    // split until FaceCell::tilt is below this
   double small = 1e-3;   // a cell smaller than this (world units) that still bends is degenerate: left to the solver's fallback
   int most_levels = 18;  // binary splits in all
 };

@@ -30,10 +30,10 @@ Leaf make_leaf(const FaceCell& cell, std::uint32_t patch, bool has_powers, doubl
     else
       height = half;
   }
-  // One root at most where bend < cosine, the cosine being `height` times the speed across h. [leaf_kernel.h]
-  const double steep = 1.0001 * cell.bend / height;
-  const bool rounding_is_small = 64 * kEps * part_size * largest_row < kMostRoundingOfRoot * cell.bend;
-  leaf.steep = has_powers && rounding_is_small && finite(steep) ? static_cast<float>(steep) : std::numeric_limits<float>::infinity();
+  // The cosine above which FaceCell::tilt is sure, as a speed across h; large enough that rounding moves no root far.
+  const double least = 64 * kEps * part_size * largest_row / kMostRoundingOfRoot, cosine = cell.tilt / std::hypot(1.0, cell.tilt);
+  const bool sure = has_powers && finite(cell.tilt) && least < 1;
+  leaf.steep = sure ? static_cast<float>(1.0001 * std::max(cosine, least) / height) : std::numeric_limits<float>::infinity();
   leaf.patch = patch;
   const Vec2 lo = cell.lo * kLeafGrid;
   leaf.corner = (static_cast<std::uint32_t>(lo.x) << 16) | static_cast<std::uint32_t>(lo.y);

@@ -21,7 +21,8 @@ struct Leaf {
   std::uint8_t level[2];  // the box is 2^-level[0] by 2^-level[1]
   std::uint8_t crossing;  // 1: hits must be tested against the trim loops
   std::uint8_t spare;
-  float steep;  // a ray (of unit length) that crosses h faster than this has at most one root within kCellMargin of the leaf
+  // A ray (of unit length) that crosses h faster than this has at most one root within kCellMargin of the leaf.
+  float steep;
 };
 static_assert(sizeof(Leaf) == 64);
 

@@ -6,9 +6,10 @@
 // 1. Proposal (proposal-inl.h), in float. The leaf's slab tells most rays that miss; where the ray crosses its middle gives the parameters
 //    of the linear model, and a few Newton steps on the patch bring them next to the root.
 // 2. Polish (polish-inl.h), in double. Newton until the next step would be rounding; t from the point on the surface.
-// 3. Verdict. Over the leaf and a quarter of its half width beyond, the Jacobian differs from that of the linear model by at most the
-//    strays E of its derivatives. For a ray at an angle with cosine c to the leaf's normal |J0^-1| E <= FaceCell::bend / c; below one the
-//    map is one-to-one there. So a root in the leaf is the only one, and a root in the margin says that the leaf has none.
+// 3. Verdict. Over the leaf and a quarter of its half width beyond, the Jacobian strays little from that of the linear model; how little
+//    is known per leaf, and how much it matters to a ray grows with the tangent of its angle to the leaf's normal (FaceCell::tilt). Where
+//    Newton's map contracts the plane equations are one-to-one: so a root in the leaf is the only one, and a root in the margin says that
+//    the leaf has none.
 // 4. Rays that graze the leaf, for which the certificate fails, meet ever smaller windows of it, all such rays of the packet together
 //    (grazing-inl.h): each window is empty for a ray, or has its own certificate and its own polish, or is divided.
 //

@@ -22,10 +22,51 @@ Slopes slopes_at(const BezierPiece& piece, const FaceCell& cell, const Vec2& ab)
 
 struct CellTallies {
   Tally area{"areas", kSeed}, strays{"strays", kSeed}, boxes{"boxes", kSeed}, once{"every point in one cell", kSeed},
-      grid{"cells on the grid of 2^-12", kSeed};
-  std::uint64_t cells = 0, pieces = 0;
+      grid{"cells on the grid of 2^-12", kSeed}, slabs{"slabs", kSeed}, tilts{"tilts", kSeed}, curls{"curls", kSeed};
+  std::uint64_t cells = 0, pieces = 0, tilted = 0;
   double stray_use = 0;
 };
+
+// At a sample, for a ray that is just steep enough: what Newton's map adds to the identity is smaller than 1 in the spectral norm. Here by
+// the cross products that define the two-plane form, not by the slab's rows.
+void check_tilt(Random& random, const std::string& name, const FaceCell& cell, const Slopes& s, double rounding, CellTallies& t) {
+  if (!finite(cell.tilt)) return;
+  const Vec3 n = cell.slab.row[2], along = cell.A * between(random, -1, 1) + cell.B * between(random, -1, 1);
+  const Vec3 d = along + 1.001 * cell.tilt * glm::length(along) * n;
+  const double volume = glm::dot(d, glm::cross(cell.A, cell.B));
+  const auto parameters = [&](const Vec3& v) {  // of v, moved along d into the tangent plane
+    return Vec2(glm::dot(d, glm::cross(v, cell.B)), glm::dot(d, glm::cross(cell.A, v))) / volume;
+  };
+  // The columns of the map in the tangent plane: images of two unit vectors at right angles.
+  const Vec3 e1 = glm::normalize(cell.A), e2 = glm::cross(n, e1);
+  const auto image = [&](const Vec3& e) {
+    const Vec2 ab{glm::dot(n, glm::cross(e, cell.B)), glm::dot(n, glm::cross(cell.A, e))};
+    const Vec2 moved = parameters(ab.x * (s.a - cell.A) + ab.y * (s.b - cell.B)) / glm::dot(n, glm::cross(cell.A, cell.B));
+    const Vec3 v = moved.x * cell.A + moved.y * cell.B;
+    return Vec2(glm::dot(v, e1), glm::dot(v, e2));
+  };
+  const Vec2 a = image(e1), b = image(e2);
+  const double trace = glm::dot(a, a) + glm::dot(b, b), det = a.x * b.y - a.y * b.x;
+  const double norm = std::sqrt(0.5 * trace + std::sqrt(std::max(0.0, 0.25 * trace * trace - det * det)));
+  const double noise = rounding * glm::length(d) * (glm::length(cell.A) + glm::length(cell.B)) / std::abs(volume);
+  if (!(noise < 0.01)) return;
+  ++t.tilted;
+  t.tilts.check(norm <= 1 + noise, [&] { return fmt::format("{}: norm {} of the map for a ray that should be sure", name, norm); });
+}
+
+// A plane through a point of the slab: its equation strays from its linear model by no more than the curls allow.
+void check_curls(Random& random, const std::string& name, const BezierPiece& piece, const FaceCell& cell, const Vec2& ab, double size,
+                 CellTallies& t) {
+  const Vec2 middle = 0.5 * (cell.lo + cell.hi), half = 0.5 * (cell.hi - cell.lo);
+  const HomogeneousJet j0 = homogeneous_jet(piece.patch, middle), j = homogeneous_jet(piece.patch, middle + half * ab);
+  const Vec3 n = glm::normalize(random_vector<Vec3>(random, 1) + Vec3(0, 0, 1e-3));
+  const double offset = glm::dot(n, slopes_at(piece, cell, random_vector<Vec2>(random, 0.5)).S);
+  const auto f = [&](const Vec4& h) { return glm::dot(n, Vec3(h)) - offset * h.w; };
+  const double stray = std::abs(f(j.H) - f(j0.H) - half.x * ab.x * f(j0.Hs) - half.y * ab.y * f(j0.Ht));
+  const Vec2 r = glm::abs(ab);
+  const double bound = 0.5 * cell.curls.x * r.x * r.x + cell.curls.y * r.x * r.y + 0.5 * cell.curls.z * r.y * r.y;
+  t.curls.check(stray <= bound + 1e-13 * size, [&] { return fmt::format("{}: strays {} where {} is allowed", name, stray, bound); });
+}
 
 void examine(Random& random, const SurfaceCase& c, const BezierPiece& piece, const std::vector<FaceCell>& cells, CellTallies& t) {
   ++t.pieces;
@@ -38,14 +79,22 @@ void examine(Random& random, const SurfaceCase& c, const BezierPiece& piece, con
     t.grid.check(units.x >= 1 && units.y >= 1 && units == glm::floor(units) && corner == glm::floor(corner),
                  [&] { return fmt::format("{}: a cell of {} x {} units at ({}, {})", c.name, units.x, units.y, corner.x, corner.y); });
     for (int k = 0; k < 6; ++k) {
-      const Vec2 ab = k < 4 ? Vec2(k & 1 ? 1 : -1, k & 2 ? 1 : -1) : random_vector<Vec2>(random, 1);
+      const Vec2 ab = kCellMargin * (k < 4 ? Vec2(k & 1 ? 1 : -1, k & 2 ? 1 : -1) : random_vector<Vec2>(random, 1));
       const Slopes s = slopes_at(piece, cell, ab);
       const double rounding = 1e-13 * size;
       t.strays.check(glm::length(s.a - cell.A) <= cell.stray_a + rounding && glm::length(s.b - cell.B) <= cell.stray_b + rounding, [&] {
         return fmt::format("{}: strays {} and {}, bounds {} and {}", c.name, glm::length(s.a - cell.A), glm::length(s.b - cell.B),
                            cell.stray_a, cell.stray_b);
       });
-      t.boxes.check(cell.box.inflated(1e-14 * size).contains(s.S), [&] { return c.name + ": a sample outside the cell's box"; });
+      const Vec3 inside = slopes_at(piece, cell, ab / kCellMargin).S;
+      t.boxes.check(cell.box.inflated(1e-14 * size).contains(inside), [&] { return c.name + ": a sample outside the cell's box"; });
+      for (int row = 0; row < 3; ++row) {
+        const double at = glm::dot(cell.slab.row[row], inside - cell.centre), slack = rounding * glm::length(cell.slab.row[row]);
+        t.slabs.check(cell.slab.reach[row].lo - slack <= at && at <= cell.slab.reach[row].hi + slack,
+                      [&] { return fmt::format("{}: {} along row {} of the slab", c.name, at, row); });
+      }
+      check_tilt(random, c.name, cell, s, rounding, t);
+      check_curls(random, c.name, piece, cell, ab, size, t);
       if (cell.stray_a > rounding) t.stray_use = std::max(t.stray_use, glm::length(s.a - cell.A) / cell.stray_a);
     }
   }
@@ -81,6 +130,10 @@ TEST(Cells, PartitionEveryKindWithHonestBounds) {
   t.strays.finish(t.cells * 6);
   t.boxes.finish(t.cells * 6);
   t.grid.finish(t.cells);
+  t.slabs.finish(t.cells * 18);
+  t.curls.finish(t.cells * 6);
+  t.tilts.finish(t.tilted);
+  EXPECT_GE(t.tilted, 3 * t.cells);
   EXPECT_GE(t.pieces, 100u);
   EXPECT_GE(t.cells, 10000u);
   fmt::print("[ measured ] {} pieces, {} cells; largest used share of a stray bound {:.3g}\n", t.pieces, t.cells, t.stray_use);
@@ -98,8 +151,7 @@ TEST(Cells, SmoothPiecesKeepThePolicy) {
       divide(piece, 0, TrimRegion{}, policy, cells);
       for (const FaceCell& cell : cells) {
         ++all;
-        const double cross = glm::length(glm::cross(cell.A, cell.B));
-        kept += (cell.stray_a * glm::length(cell.B) + cell.stray_b * glm::length(cell.A)) / cross <= policy.bend ? 1 : 0;
+        kept += cell.tilt <= policy.bend ? 1 : 0;
       }
     }
   }
