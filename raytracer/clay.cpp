@@ -42,7 +42,7 @@ class Clay {
     // Rays to the small key light stay neighbours; those into the sky scatter.
     work.sky_blocked.resize(work.sky_rays.size());
     work.key_blocked.resize(work.key_rays.size());
-    tracer_->occluded(work.sky_rays, work.sky_blocked, Tracer::Order::scattered, stats);
+    tracer_->occluded(work.sky_rays, work.sky_blocked, Tracer::Order::coherent, stats);
     tracer_->occluded(work.key_rays, work.key_blocked, Tracer::Order::coherent, stats);
     for (std::size_t k = 0; k < work.points.size(); ++k)
       out[work.points[k].out] = glm::vec4(radiance(work, k, batch.rays[work.points[k].out].d), 1.0f);
@@ -59,13 +59,13 @@ class Clay {
 
     Visible point{.out = i, .n = n, .albedo = kWhite * base_colour(*tracer_, batch.hits[i])};
     const Vec3 to_sky = cosine_hemisphere(n, sampler_.pair(batch.samples[i], Dimension::sky));
-    work.sky_rays.push_back({offset_origin(at, to_sky), to_sky});
+    work.sky_rays.push_back(secondary_ray(batch.hits[i], at, to_sky));
 
     const double cos_radius = std::cos(0.5 * lights_.key.angle);
     const Vec3 to_key = uniform_cone(lights_.key.from, cos_radius, sampler_.pair(batch.samples[i], Dimension::key));
     if (glm::dot(n, to_key) > 0) {
       point.key_ray = static_cast<std::int64_t>(work.key_rays.size());
-      work.key_rays.push_back({offset_origin(at, to_key), to_key});
+      work.key_rays.push_back(secondary_ray(batch.hits[i], at, to_key));
     }
     work.points.push_back(point);
   }

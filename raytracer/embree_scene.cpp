@@ -323,6 +323,8 @@ struct Tracer::Impl {
         }
         packet.tmin[i] = ray.tmin;
         packet.limit[i] = ray.tmax;
+        packet.from_placed[i] = ray.from_placed;
+        packet.from_primitive[i] = ray.from_primitive;
         begin(first + i, packet, i);
       }
       for (int i = count; i < kWidth; ++i) {  // of no ray, but numbers
@@ -451,9 +453,9 @@ bool Tracer::meet_at_loose_edge(const Hit& a, const Hit& b) const {
   return false;
 }
 
-Vec3 offset_origin(const SurfacePoint& at, const Vec3& direction) {
+Ray secondary_ray(const Hit& hit, const SurfacePoint& at, const Vec3& direction, double tmax) {
   const double side = glm::dot(at.n, direction) < 0 ? -1.0 : 1.0;
-  return at.p + side * at.error_bound * at.n;
+  return {at.p + side * at.error_bound * at.n, direction, 0, tmax, hit.placed, hit.primitive};
 }
 
 }  // namespace iso

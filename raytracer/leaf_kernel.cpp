@@ -30,12 +30,15 @@ void solve(const PartGeometry& geometry, std::uint32_t index, const LocalRays& r
     meet_grazing<kDegree, kComponents>(geometry.curls[index], &geometry.powers[patch.powers], pu, pv, box, rays, undecided, sink);
 }
 
-void meet_packet(const PartGeometry& geometry, std::uint32_t index, const LocalRays& rays, LaneMask lanes, RootSink& sink) {
+void meet_packet(const PartGeometry& geometry, std::uint32_t index, const LocalRays& rays, LaneMask lanes, LaneMask leaving,
+                 RootSink& sink) {
   const Leaf& leaf = geometry.leaves[index];
   const hn::CappedTag<float, kWidth> d;
   Proposal proposal;
   for (std::size_t first = 0; first < kWidth; first += hn::Lanes(d))
     if (lanes & lanes_from(first, hn::Lanes(d))) test_slab(d, leaf, rays, lanes, first, proposal);
+  proposal.live &= ~(leaving & proposal.certain);
+  proposal.certain &= ~leaving;
   sink.missed_slab(lanes & ~proposal.live);
   if (!proposal.live) return;
   const LeafPatch& patch = geometry.patches[leaf.patch];
@@ -58,8 +61,9 @@ HWY_AFTER_NAMESPACE();
 namespace iso {
 
 HWY_EXPORT(meet_packet);
-void roots_of_packet(const PartGeometry& geometry, std::uint32_t leaf, const LocalRays& rays, LaneMask lanes, RootSink& sink) {
-  HWY_DYNAMIC_DISPATCH(meet_packet)(geometry, leaf, rays, lanes, sink);
+void roots_of_packet(const PartGeometry& geometry, std::uint32_t leaf, const LocalRays& rays, LaneMask lanes, LaneMask leaving,
+                     RootSink& sink) {
+  HWY_DYNAMIC_DISPATCH(meet_packet)(geometry, leaf, rays, lanes, leaving, sink);
 }
 
 Window window_of(const Leaf& leaf) {

@@ -52,6 +52,8 @@ class RootSink {
 // Share of a leaf's half width at its border within which a root is left to subdivision.
 inline constexpr double kDoubtful = 1e-7;
 
-void roots_of_packet(const PartGeometry& geometry, std::uint32_t leaf, const LocalRays& rays, LaneMask lanes, RootSink& sink);
+// `leaving`: lanes whose rays start on the leaf. Where the certificate holds that start is their only meeting with it.
+void roots_of_packet(const PartGeometry& geometry, std::uint32_t leaf, const LocalRays& rays, LaneMask lanes, LaneMask leaving,
+                     RootSink& sink);
 
 }  // namespace iso

@@ -22,6 +22,12 @@ SolverStats& SolverStats::operator+=(const SolverStats& o) {
   return *this;
 }
 
+LaneMask Packet::start_on(LaneMask lanes, std::int32_t primitive) const {
+  LaneMask on = 0;
+  for (int i = 0; i < kWidth; ++i) on |= (from_primitive[i] == primitive && from_placed[i] == current ? 1u : 0u) << i;
+  return on & lanes;
+}
+
 bool comes_first(const Hit& a, const Hit& b) {
   if (a.t != b.t) return a.t < b.t;
   if (a.placed != b.placed) return a.placed < b.placed;
@@ -50,6 +56,7 @@ struct Offer {
   HitStatus status = HitStatus::converged;
   unsigned steps = 0;
   bool crossing = false;  // the trim loops must be asked
+  std::int32_t primitive = -1;
 };
 
 // Offers a root to a lane. Returns true if the lane's nearest hit or its blocking changed.
@@ -59,6 +66,7 @@ bool offer(Packet& packet, int lane, const PartGeometry& geometry, const Offer& 
   if (!(hit.t >= packet.tmin[lane] && hit.t <= packet.limit[lane]) || !finite(root.uv)) return false;
   hit.placed = packet.current;
   hit.face = static_cast<std::int32_t>(root.face);
+  hit.primitive = root.primitive;
   hit.status = root.status;
   hit.steps = static_cast<std::uint16_t>(std::min(root.steps, 65535u));
   const Face& face = geometry.part->faces[root.face];
@@ -105,6 +113,9 @@ LaneMask meet_analytic(Packet& packet, LaneMask lanes, const PartGeometry& geome
   const TrimRegion& trim = geometry.trims[analytic.face];
   const bool untrimmed = trim.untrimmed();
   packet.stats->analytic += static_cast<unsigned>(__builtin_popcount(lanes));
+  const std::int32_t id = analytic_id(primitive);
+  if (analytic.kind == AnalyticKind::plane) lanes &= ~packet.start_on(lanes, id);
+  if (!lanes) return 0;
   AnalyticRoots roots;
   roots_of_packet(analytic, packet, lanes, roots);
   LaneMask changed = 0;
@@ -114,7 +125,7 @@ LaneMask meet_analytic(Packet& packet, LaneMask lanes, const PartGeometry& geome
       UV uv{roots.u[i][lane], roots.v[i][lane]};
       if (untrimmed && !in_domain(face, trim.period(), uv)) return;
       const HitStatus status = i == 0 && (roots.tangent >> lane & 1) ? HitStatus::tangent : HitStatus::converged;
-      if (offer(packet, lane, geometry, {analytic.face, uv, roots.t[i][lane], status, 0, !untrimmed})) changed |= 1u << lane;
+      if (offer(packet, lane, geometry, {analytic.face, uv, roots.t[i][lane], status, 0, !untrimmed, id})) changed |= 1u << lane;
     });
   }
   return changed;
@@ -125,8 +136,12 @@ namespace {
 // Offers the roots of one leaf to the lanes of a packet.
 class Offers final : public RootSink {
  public:
-  Offers(Packet& packet, const PartGeometry& geometry, const Leaf& leaf)
-      : packet_(packet), geometry_(geometry), patch_(geometry.patches[leaf.patch]), crossing_(leaf.crossing != 0) {}
+  Offers(Packet& packet, const PartGeometry& geometry, std::uint32_t leaf)
+      : packet_(packet),
+        geometry_(geometry),
+        patch_(geometry.patches[geometry.leaves[leaf].patch]),
+        id_(leaf_id(leaf)),
+        crossing_(geometry.leaves[leaf].crossing != 0) {}
 
   LaneMask changed() const { return changed_; }
 
@@ -152,12 +167,14 @@ class Offers final : public RootSink {
 
  private:
   void propose(int lane, const Vec2& st, double t, HitStatus status, unsigned steps) {
-    if (offer(packet_, lane, geometry_, {patch_.face, patch_.piece.to_native(st), t, status, steps, crossing_})) changed_ |= 1u << lane;
+    if (offer(packet_, lane, geometry_, {patch_.face, patch_.piece.to_native(st), t, status, steps, crossing_, id_}))
+      changed_ |= 1u << lane;
   }
 
   Packet& packet_;
   const PartGeometry& geometry_;
   const LeafPatch& patch_;
+  std::int32_t id_;
   bool crossing_;
   LaneMask changed_ = 0;
 };
@@ -166,8 +183,8 @@ class Offers final : public RootSink {
 
 LaneMask meet_leaf(Packet& packet, LaneMask lanes, const PartGeometry& geometry, std::uint32_t primitive) {
   packet.stats->leaf_visits += static_cast<unsigned>(__builtin_popcount(lanes));
-  Offers offers(packet, geometry, geometry.leaves[primitive]);
-  roots_of_packet(geometry, primitive, packet.local, lanes, offers);
+  Offers offers(packet, geometry, primitive);
+  roots_of_packet(geometry, primitive, packet.local, lanes, packet.start_on(lanes, leaf_id(primitive)), offers);
   return offers.changed();
 }
 

@@ -48,6 +48,7 @@ enum class Query { nearest, occluded, all };
 struct alignas(64) Packet {
   Lanes<double> o[3], d[3], tmin;
   Lanes<double> limit;  // hits beyond are not wanted: tmax, or the nearest hit so far
+  Lanes<std::int32_t> from_placed, from_primitive;
   LocalRays local;
   Hit* best = nullptr;  // the nearest hits so far, one a lane
   Lanes<std::vector<Hit>*> all;
@@ -55,7 +56,14 @@ struct alignas(64) Packet {
   Query query = Query::nearest;
   int current = 0;
   SolverStats* stats = nullptr;
+
+  // Of `lanes`, those that start on a primitive of the part that is being traced.
+  LaneMask start_on(LaneMask lanes, std::int32_t primitive) const;
 };
+
+// Hit::primitive.
+inline std::int32_t leaf_id(std::uint32_t leaf) { return static_cast<std::int32_t>(leaf); }
+inline std::int32_t analytic_id(std::uint32_t index) { return -2 - static_cast<std::int32_t>(index); }
 
 // Moves the rays of `wanted` into a part and to where they enter its box. Returns the lanes that enter before their limit.
 LaneMask enter_part(const Packet& packet, LaneMask wanted, const Affine3& to_part, const Box3& box, double part_size, LocalRays& local);

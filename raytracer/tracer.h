@@ -16,6 +16,8 @@ namespace iso {
 struct Ray {
   Vec3 o, d;
   double tmin = 0, tmax = kInf;
+  // Of the hit it leaves (`secondary_ray`; -1: of none): what cannot be met again from there is passed over.
+  std::int32_t from_placed = -1, from_primitive = -1;
 };
 
 // How a hit was found; every value but `converged` is counted and shown.
@@ -31,8 +33,9 @@ struct Hit {
   std::int32_t placed = -1;  // index into TraceScene::placed; -1: no hit
   std::int32_t face = -1;    // index into Part::faces
   HitStatus status = HitStatus::converged;
-  bool by_tolerance = false;  // outside the trim loops, but within the gap of an edge
-  std::uint16_t steps = 0;    // Newton steps or subdivision cells spent on it
+  bool by_tolerance = false;    // outside the trim loops, but within the gap of an edge
+  std::uint16_t steps = 0;      // Newton steps or subdivision cells spent on it
+  std::int32_t primitive = -1;  // of the tracer; for `secondary_ray`
 
   explicit operator bool() const { return placed >= 0; }
 };
@@ -88,7 +91,7 @@ class Tracer {
   std::unique_ptr<Impl> impl_;
 };
 
-// The start of a secondary ray that leaves the surface on the side of `direction`: p moved along the normal by the error bound.
-Vec3 offset_origin(const SurfacePoint& at, const Vec3& direction);
+// A ray that leaves a hit (`at` is its surface_point) on the side of `direction`: it starts at p moved along the normal by the error bound.
+Ray secondary_ray(const Hit& hit, const SurfacePoint& at, const Vec3& direction, double tmax = kInf);
 
 }  // namespace iso

@@ -45,7 +45,7 @@ SecondaryRays::SecondaryRays(const Tracer& tracer, const EmbreeTriangles& triang
     if (!finite(at.n) || !(glm::dot(at.n, at.n) > 0.5)) continue;  // at a point without a normal
     const auto& t = mesh.triangles[triangle_hits[i].primitive];
     const Vec3 cross = glm::cross(mesh.points[t[1]] - mesh.points[t[0]], mesh.points[t[2]] - mesh.points[t[0]]);
-    starts_.push_back({at, glm::dot(at.n, ray.d) > 0 ? -at.n : at.n, ray.o + static_cast<double>(triangle_hits[i].t) * ray.d,
+    starts_.push_back({hits[i], at, glm::dot(at.n, ray.d) > 0 ? -at.n : at.n, ray.o + static_cast<double>(triangle_hits[i].t) * ray.d,
                        glm::normalize(cross), static_cast<std::uint32_t>(i)});
   }
 }
@@ -54,7 +54,7 @@ SecondaryRays::SecondaryRays(const Tracer& tracer, const EmbreeTriangles& triang
 void SecondaryRays::add(RaySet& set, const Start& start, const Vec3& d, double tmax) const {
   constexpr double kOffset = 1e-6;  // of the scene's diagonal: some eight units in the last place
   const double offset = (glm::dot(start.triangle_normal, d) < 0 ? -kOffset : kOffset) * box_.diagonal();
-  set.direct.push_back({offset_origin(start.exact, d), d, 0, tmax});
+  set.direct.push_back(secondary_ray(start.hit, start.exact, d, tmax));
   set.triangles.push_back(as_float({start.p + offset * start.triangle_normal, d, 0, tmax}));
 }
 

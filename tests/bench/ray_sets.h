@@ -33,6 +33,7 @@ class SecondaryRays {
 
  private:
   struct Start {
+    Hit hit;
     SurfacePoint exact;
     Vec3 n;                   // faces the viewer
     Vec3 p, triangle_normal;  // of the triangle that is hit

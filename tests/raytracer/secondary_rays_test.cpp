@@ -17,7 +17,7 @@ TraceScene moved(TraceScene scene, double scale, const Vec3& to) {
 // Starts on the scene's surface, from rays that come from outside. Those beyond a trim curve, in the reach of a loose edge, do not bound
 // the material and are left out (counted).
 struct Starts {
-  std::vector<SurfacePoint> points;
+  std::vector<Hit> hits;
   std::size_t beyond_trim = 0;
 };
 
@@ -25,7 +25,7 @@ Starts starts_on(const Tracer& tracer, std::mt19937_64& random, int wanted) {
   Starts out;
   const Box3 box = tracer.scene().box();
   SolverStats stats;
-  while (static_cast<int>(out.points.size()) < wanted) {
+  while (static_cast<int>(out.hits.size()) < wanted) {
     std::vector<Ray> rays;
     for (int i = 0; i < 4096; ++i) rays.push_back(random_ray(random, box.middle(), 0.5 * box.diagonal()));
     std::vector<Hit> hits(rays.size());
@@ -34,7 +34,7 @@ Starts starts_on(const Tracer& tracer, std::mt19937_64& random, int wanted) {
       if (hit && hit.by_tolerance)
         ++out.beyond_trim;
       else if (hit)
-        out.points.push_back(tracer.surface_point(hit));
+        out.hits.push_back(hit);
   }
   return out;
 }
@@ -46,10 +46,11 @@ struct Count {
 };
 Count blocked(const Tracer& tracer, const Starts& starts, std::mt19937_64& random, double side) {
   std::vector<Ray> rays;
-  for (const SurfacePoint& p : starts.points) {
+  for (const Hit& hit : starts.hits) {
+    const SurfacePoint p = tracer.surface_point(hit);
     Vec3 d = random_direction(random);
     if (glm::dot(d, p.n) * side < 0) d = -d;
-    rays.push_back({offset_origin(p, d), d});
+    rays.push_back(secondary_ray(hit, p, d));
   }
   std::vector<std::uint8_t> answer(rays.size());
   SolverStats stats;
