@@ -23,11 +23,11 @@ void solve(const PartGeometry& geometry, std::uint32_t index, const LocalRays& r
       newton_in_float<kDegree, kComponents>(narrow, &geometry.float_powers[patch.powers], pu, pv, box, rays, first, proposal);
   for (std::size_t first = 0; first < kWidth; first += hn::Lanes(wide))
     if (proposal.certain & lanes_from(first, hn::Lanes(wide)))
-      polish<kDegree, kComponents>(wide, &geometry.powers[patch.powers], pu, pv, box, rays, first, proposal, roots);
+      polish_lanes<kDegree, kComponents>(wide, &geometry.powers[patch.powers], pu, pv, box, rays, first, proposal, roots);
   if (roots.found) sink.found(roots);
-  const LaneMask undecided = proposal.live & ~(roots.found | roots.none);
-  if (undecided)
-    meet_grazing<kDegree, kComponents>(geometry.curls[index], &geometry.powers[patch.powers], pu, pv, box, rays, undecided, sink);
+  for_each_lane(proposal.live & ~(roots.found | roots.none), [&](int lane) {
+    GrazingRay<kDegree, kComponents>(geometry.curls[index], &geometry.powers[patch.powers], pu, pv, box, rays, lane, sink).run();
+  });
 }
 
 void meet_packet(const PartGeometry& geometry, std::uint32_t index, const LocalRays& rays, LaneMask lanes, LaneMask leaving,

@@ -1,7 +1,7 @@
 // One leaf of a Bezier patch against the rays of a packet, sixteen at a time.
 //
 // A ray is the meet of two planes; in homogeneous form their equations f = n . P - d w are polynomials in (s, t).  [Kajiya 1982; Martin et
-// al. 2000] Four steps, each on all rays that are left:
+// al. 2000] Four steps, the first three on all rays that are left:
 //
 // 1. Proposal (proposal-inl.h), in float. The leaf's slab tells most rays that miss; where the ray crosses its middle gives the parameters
 //    of the linear model, and a few Newton steps on the patch bring them next to the root.
@@ -10,8 +10,8 @@
 //    is known per leaf, and how much it matters to a ray grows with the tangent of its angle to the leaf's normal (FaceCell::tilt). Where
 //    Newton's map contracts the plane equations are one-to-one: so a root in the leaf is the only one, and a root in the margin says that
 //    the leaf has none.
-// 4. Rays that graze the leaf, for which the certificate fails, meet ever smaller windows of it, all such rays of the packet together
-//    (grazing-inl.h): each window is empty for a ray, or has its own certificate and its own polish, or is divided.
+// 4. A ray that grazes the leaf, for which the certificate fails, meets eight windows of it at a time (grazing-inl.h): each window is
+//    missed, or has its own certificate and its own polish, or is divided.
 //
 // What is left then (roots within kDoubtful of a border, Newton that left the margin, rays that touch the surface to rounding) is decided
 // by subdivision, ray by ray (bezier_solve.h).

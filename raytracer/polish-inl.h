@@ -16,23 +16,54 @@ inline constexpr int kDoubleSteps = 8;
 // A step this small (in half widths) is the last: Newton's next one would be its square, below the rounding of the patch.
 inline constexpr double kLastStep = 3e-8;
 
+// Where the rays are, and what turns a point into a distance along them.
+template <class V>
+struct RayLanes {
+  Planes<V> planes;
+  V o[3], d[3], inverse_dd;
+};
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE RayLanes<V> load_rays(D d, const LocalRays& rays, std::size_t first) {
+  RayLanes<V> r;
+  r.planes = load_planes(d, rays.planes, first);
+  for (int c = 0; c < 3; ++c) {
+    r.o[c] = hn::Load(d, rays.o[c] + first);
+    r.d[c] = hn::Load(d, rays.d[c] + first);
+  }
+  r.inverse_dd = hn::Load(d, rays.inverse_dd + first);
+  return r;
+}
+
+// Boxes of the patch's parameters, about its middle: one a lane, all of one size.
+template <class V>
+struct Boxes {
+  V x, y, half_x, half_y, to_a, to_b;
+};
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Boxes<V> boxes_at(D d, V x, V y, double half_x, double half_y) {
+  return {x, y, hn::Set(d, half_x), hn::Set(d, half_y), hn::Set(d, 1 / half_x), hn::Set(d, 1 / half_y)};
+}
+
+template <class D, class V = hn::Vec<D>>
+struct Polished {
+  V a, b;  // in half widths of the box
+  V distance, steps;
+  hn::Mask<D> inside, beside;  // a root in the box; one in the margin, so none in the box
+};
+
+// Newton from (a, b) for the lanes that are `going`.
 template <int kDegree, int kComponents, class D, class V = hn::Vec<D>>
-HWY_INLINE void polish(D d, const double* powers, int pu, int pv, const LeafBox& box, const LocalRays& rays, std::size_t first,
-                       const Proposal& start, LeafRoots& roots) {
-  const hn::Rebind<float, D> narrow;
-  const Planes<V> planes = load_planes(d, rays.planes, first);
-  const V x0 = hn::Set(d, box.x), y0 = hn::Set(d, box.y), half_x = hn::Set(d, box.half_x), half_y = hn::Set(d, box.half_y);
-  const V to_a = hn::Set(d, 1 / box.half_x), to_b = hn::Set(d, 1 / box.half_y), one = hn::Set(d, 1.0);
-  V a = hn::PromoteTo(d, hn::Load(narrow, start.a + first)), b = hn::PromoteTo(d, hn::Load(narrow, start.b + first));
-  auto going = lanes_of(d, start.certain, first);
+HWY_INLINE Polished<D> polish(D d, const double* powers, int pu, int pv, const RayLanes<V>& rays, const Boxes<V>& box, V a, V b,
+                              hn::Mask<D> going) {
+  const V one = hn::Set(d, 1.0);
   auto converged = hn::MaskFromVec(hn::Zero(d));
   V distance = hn::Zero(d), steps = hn::Zero(d);
   for (int step = 0; step < kDoubleSteps; ++step) {
     PatchJet<V, kComponents> jet;
-    evaluate<kDegree, kComponents>(d, powers, pu, pv, hn::MulAdd(half_x, a, x0), hn::MulAdd(half_y, b, y0), jet);
+    evaluate<kDegree, kComponents>(d, powers, pu, pv, hn::MulAdd(box.half_x, a, box.x), hn::MulAdd(box.half_y, b, box.y), jet);
     V dx, dy;
-    newton_step<V, kComponents>(jet, planes, dx, dy);
-    const V da = hn::Mul(dx, to_a), db = hn::Mul(dy, to_b);
+    newton_step<V, kComponents>(jet, rays.planes, dx, dy);
+    const V da = hn::Mul(dx, box.to_a), db = hn::Mul(dy, box.to_b);
     a = hn::IfThenElse(going, hn::Add(a, da), a);
     b = hn::IfThenElse(going, hn::Add(b, db), b);
     steps = hn::IfThenElse(going, hn::Add(steps, one), steps);
@@ -45,9 +76,9 @@ HWY_INLINE void polish(D d, const double* powers, int pu, int pv, const LeafBox&
       for (int c = 0; c < 3; ++c) {
         V p = hn::MulAdd(dx, jet.Ps[c], hn::MulAdd(dy, jet.Pt[c], jet.P[c]));
         if constexpr (kComponents == 4) p = hn::Mul(p, weight);
-        sum = hn::MulAdd(hn::Sub(p, hn::Load(d, rays.o[c] + first)), hn::Load(d, rays.d[c] + first), sum);
+        sum = hn::MulAdd(hn::Sub(p, rays.o[c]), rays.d[c], sum);
       }
-      distance = hn::IfThenElse(last, hn::Mul(sum, hn::Load(d, rays.inverse_dd + first)), distance);
+      distance = hn::IfThenElse(last, hn::Mul(sum, rays.inverse_dd), distance);
       converged = hn::Or(converged, last);
     }
     const V far = hn::Max(hn::Abs(a), hn::Abs(b));
@@ -57,14 +88,26 @@ HWY_INLINE void polish(D d, const double* powers, int pu, int pv, const LeafBox&
   const V far = hn::Max(hn::Abs(a), hn::Abs(b));
   const auto inside = hn::And(converged, hn::Lt(far, hn::Set(d, 1 - kDoubtful)));
   const auto beside = hn::And(converged, hn::And(hn::Gt(far, hn::Set(d, 1 + kDoubtful)), hn::Lt(far, hn::Set(d, kCellMargin))));
+  return {a, b, distance, steps, inside, beside};
+}
+
+// The lanes of a packet that have a proposal, in their leaf.
+template <int kDegree, int kComponents, class D, class V = hn::Vec<D>>
+HWY_INLINE void polish_lanes(D d, const double* powers, int pu, int pv, const LeafBox& leaf, const LocalRays& rays, std::size_t first,
+                             const Proposal& start, LeafRoots& roots) {
+  const hn::Rebind<float, D> narrow;
+  const Boxes<V> box = boxes_at(d, hn::Set(d, leaf.x), hn::Set(d, leaf.y), leaf.half_x, leaf.half_y);
+  const V a = hn::PromoteTo(d, hn::Load(narrow, start.a + first)), b = hn::PromoteTo(d, hn::Load(narrow, start.b + first));
+  const Polished<D> p =
+      polish<kDegree, kComponents>(d, powers, pu, pv, load_rays(d, rays, first), box, a, b, lanes_of(d, start.certain, first));
   const LaneMask polished = start.certain & lanes_from(first, hn::Lanes(d));
-  roots.found |= bits_of(d, inside, first) & polished;
-  roots.none |= bits_of(d, beside, first) & polished;
+  roots.found |= bits_of(d, p.inside, first) & polished;
+  roots.none |= bits_of(d, p.beside, first) & polished;
   const V half = hn::Set(d, 0.5);
-  hn::Store(hn::Add(half, hn::MulAdd(half_x, a, x0)), d, roots.s + first);
-  hn::Store(hn::Add(half, hn::MulAdd(half_y, b, y0)), d, roots.t + first);
-  hn::Store(distance, d, roots.distance + first);
-  hn::Store(hn::DemoteTo(narrow, steps), narrow, roots.steps + first);
+  hn::Store(hn::Add(half, hn::MulAdd(box.half_x, p.a, box.x)), d, roots.s + first);
+  hn::Store(hn::Add(half, hn::MulAdd(box.half_y, p.b, box.y)), d, roots.t + first);
+  hn::Store(p.distance, d, roots.distance + first);
+  hn::Store(hn::DemoteTo(narrow, p.steps), narrow, roots.steps + first);
 }
 
 }  // namespace iso::HWY_NAMESPACE
