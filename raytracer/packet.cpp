@@ -40,6 +40,7 @@ namespace {
 
 // Brings angles and other periodic parameters into the window of the face.
 UV into_domain(const Face& face, const Vec2& period, UV uv) {
+  if (face.domain.contains(uv)) return uv;
   for (const int c : {0, 1})
     if (period[c] > 0) {
       uv[c] -= period[c] * std::floor((uv[c] - face.domain.lo[c]) / period[c]);
