@@ -66,7 +66,7 @@ constexpr float kBlocked = -std::numeric_limits<float>::infinity();
 LaneMask live_lanes(const int* valid, const RTCRayN* rays, unsigned n) {
   LaneMask lanes = 0;
   if (n == kWidth) {
-    for (unsigned i = 0; i < kWidth; ++i) lanes |= (valid[i] != 0 ? 1u : 0u) << i;
+    for (unsigned i = 0; i < kWidth; ++i) lanes |= static_cast<LaneMask>(valid[i]) & 1u << i;  // -1 or 0
     return lanes;
   }
   for (unsigned i = 0; i < n; ++i)
@@ -76,13 +76,14 @@ LaneMask live_lanes(const int* valid, const RTCRayN* rays, unsigned n) {
 
 // Tells Embree and the kernels how far the rays of `changed` still reach.
 void shorten(const Packet& packet, LocalRays& local, LaneMask changed, RTCRayN* rays, unsigned n) {
-  for (unsigned i = 0; i < n; ++i) {
-    const unsigned lane = n == kWidth ? i : RTCRayN_id(rays, n, i);
-    if (!(changed >> lane & 1)) continue;
+  const auto set = [&](unsigned i, unsigned lane) {
     float& far = RTCRayN_tfar(rays, n, i);
     far = packet.query == Query::occluded ? kBlocked : std::min(far, far_limit(packet, local, static_cast<int>(lane)));
     local.far[lane] = far;
-  }
+  };
+  if (n == kWidth) return for_each_lane(changed, [&](int lane) { set(static_cast<unsigned>(lane), static_cast<unsigned>(lane)); });
+  for (unsigned i = 0; i < n; ++i)
+    if (const unsigned lane = RTCRayN_id(rays, n, i); changed >> lane & 1) set(i, lane);
 }
 
 using Meet = LaneMask (*)(Packet&, LaneMask, const PartGeometry&, std::uint32_t);
@@ -131,12 +132,12 @@ RTCRayHit single(const LocalRays& rays, unsigned i) {
 }
 
 // Packets where at least this many lanes live and the rays are neighbours; single rays else.
-constexpr int kPacketFrom = 3;
+constexpr unsigned kPacketFrom = 3;
 
 void trace(RTCScene scene, Context& context, const LocalRays& local, LaneMask lanes) {
   if (!lanes) return;
   const bool occluded = context.packet.query == Query::occluded;
-  if (context.coherent && __builtin_popcount(lanes) >= kPacketFrom) {
+  if (context.coherent && lane_count(lanes) >= kPacketFrom) {
     alignas(64) RTCRayHit16 rays;
     alignas(64) int valid[kWidth];
     for (unsigned i = 0; i < kWidth; ++i) valid[i] = lanes >> i & 1 ? -1 : 0;

@@ -163,7 +163,7 @@ class GrazingRay {
     const Verdict<D> verdict = judge(d, jet, bounds_of(curls_, part), ray_.planes, scale_);
     LaneMask open = ~bits_of(d, verdict.missed, 0) & lanes_from(0, hn::Lanes(d));
     if (!hn::AllFalse(d, verdict.certain)) {
-      const Boxes<V> box = boxes_at(d, x, y, half_x, half_y);
+      const Boxes<V> box{x, y, hn::Set(d, half_x), hn::Set(d, half_y), hn::Set(d, 1 / half_x), hn::Set(d, 1 / half_y)};
       const Polished<D> p = polish<kDegree, kComponents>(d, powers_, pu_, pv_, ray_, box, verdict.a, verdict.b, verdict.certain);
       const LaneMask found = bits_of(d, p.inside, 0);
       if (found) tell(d, p, box, found);

@@ -24,8 +24,8 @@ SolverStats& SolverStats::operator+=(const SolverStats& o) {
 
 LaneMask Packet::start_on(LaneMask lanes, std::int32_t primitive) const {
   LaneMask on = 0;
-  for (int i = 0; i < kWidth; ++i) on |= (from_primitive[i] == primitive && from_placed[i] == current ? 1u : 0u) << i;
-  return on & lanes;
+  for_each_lane(lanes, [&](int i) { on |= (from_primitive[i] == primitive && from_placed[i] == current ? 1u : 0u) << i; });
+  return on;
 }
 
 bool comes_first(const Hit& a, const Hit& b) {
@@ -113,7 +113,7 @@ LaneMask meet_analytic(Packet& packet, LaneMask lanes, const PartGeometry& geome
   const Face& face = geometry.part->faces[analytic.face];
   const TrimRegion& trim = geometry.trims[analytic.face];
   const bool untrimmed = trim.untrimmed();
-  packet.stats->analytic += static_cast<unsigned>(__builtin_popcount(lanes));
+  packet.stats->analytic += lane_count(lanes);
   const std::int32_t id = analytic_id(primitive);
   if (analytic.kind == AnalyticKind::plane) lanes &= ~packet.start_on(lanes, id);
   if (!lanes) return 0;
@@ -146,10 +146,10 @@ class Offers final : public RootSink {
 
   LaneMask changed() const { return changed_; }
 
-  void missed_slab(LaneMask lanes) override { packet_.stats->slab_rejects += static_cast<unsigned>(__builtin_popcount(lanes)); }
+  void missed_slab(LaneMask lanes) override { packet_.stats->slab_rejects += lane_count(lanes); }
 
   void found(const LeafRoots& roots) override {
-    packet_.stats->solves += static_cast<unsigned>(__builtin_popcount(roots.found));
+    packet_.stats->solves += lane_count(roots.found);
     for_each_lane(roots.found, [&](int lane) {
       const unsigned steps = static_cast<unsigned>(roots.steps[lane]);
       packet_.stats->newton_steps += steps;
@@ -183,7 +183,7 @@ class Offers final : public RootSink {
 }  // namespace
 
 LaneMask meet_leaf(Packet& packet, LaneMask lanes, const PartGeometry& geometry, std::uint32_t primitive) {
-  packet.stats->leaf_visits += static_cast<unsigned>(__builtin_popcount(lanes));
+  packet.stats->leaf_visits += lane_count(lanes);
   Offers offers(packet, geometry, primitive);
   roots_of_packet(geometry, primitive, packet.local, lanes, packet.start_on(lanes, leaf_id(primitive)), offers);
   return offers.changed();

@@ -18,6 +18,13 @@ void for_each_lane(LaneMask mask, const Work& work) {
   for (; mask; mask &= mask - 1) work(__builtin_ctz(mask));
 }
 
+inline unsigned lane_count(LaneMask mask) {  // of sixteen bits
+  mask = (mask & 0x5555) + (mask >> 1 & 0x5555);
+  mask = (mask & 0x3333) + (mask >> 2 & 0x3333);
+  mask = (mask & 0x0f0f) + (mask >> 4 & 0x0f0f);
+  return (mask & 0xff) + (mask >> 8);
+}
+
 template <class T>
 using Lanes = T[kWidth];
 

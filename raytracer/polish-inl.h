@@ -40,11 +40,6 @@ struct Boxes {
   V x, y, half_x, half_y, to_a, to_b;
 };
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE Boxes<V> boxes_at(D d, V x, V y, double half_x, double half_y) {
-  return {x, y, hn::Set(d, half_x), hn::Set(d, half_y), hn::Set(d, 1 / half_x), hn::Set(d, 1 / half_y)};
-}
-
-template <class D, class V = hn::Vec<D>>
 struct Polished {
   V a, b;  // in half widths of the box
   V distance, steps;
@@ -96,7 +91,8 @@ template <int kDegree, int kComponents, class D, class V = hn::Vec<D>>
 HWY_INLINE void polish_lanes(D d, const double* powers, int pu, int pv, const LeafBox& leaf, const LocalRays& rays, std::size_t first,
                              const Proposal& start, LeafRoots& roots) {
   const hn::Rebind<float, D> narrow;
-  const Boxes<V> box = boxes_at(d, hn::Set(d, leaf.x), hn::Set(d, leaf.y), leaf.half_x, leaf.half_y);
+  const auto set = [&](double x) HWY_ATTR { return hn::Set(d, x); };
+  const Boxes<V> box{set(leaf.x), set(leaf.y), set(leaf.half_x), set(leaf.half_y), set(leaf.to_a), set(leaf.to_b)};
   const V a = hn::PromoteTo(d, hn::Load(narrow, start.a + first)), b = hn::PromoteTo(d, hn::Load(narrow, start.b + first));
   const Polished<D> p =
       polish<kDegree, kComponents>(d, powers, pu, pv, load_rays(d, rays, first), box, a, b, lanes_of(d, start.certain, first));

@@ -1,5 +1,6 @@
 // Step 1 of leaf_kernel.h: the slab test, and Newton in float. Compiled once per instruction set (Highway's per-target header).
 #include <hwy/highway.h>
+#include <cstring>
 
 #include "raytracer/leaf_kernel.h"
 
@@ -140,13 +141,25 @@ HWY_INLINE Planes<V> load_planes(D d, const PlaneLanes<T>& lanes, std::size_t fi
   return p;
 }
 
-// A leaf's middle about the middle of its patch, and its half widths.
+// A leaf's middle about the middle of its patch, and its half widths with their inverses (all powers of two).
 struct LeafBox {
-  double x, y, half_x, half_y;
+  double x, y, half_x, half_y, to_a, to_b;
 };
+HWY_INLINE double power_of_two(int exponent) {
+  const std::uint64_t bits = static_cast<std::uint64_t>(1023 + exponent) << 52;
+  double x;
+  std::memcpy(&x, &bits, sizeof x);
+  return x;
+}
 HWY_INLINE LeafBox box_of(const Leaf& leaf) {
-  const double half_x = 0.5 / static_cast<double>(1u << leaf.level[0]), half_y = 0.5 / static_cast<double>(1u << leaf.level[1]);
-  return {(leaf.corner >> 16) / kLeafGrid + half_x - 0.5, (leaf.corner & 0xffffu) / kLeafGrid + half_y - 0.5, half_x, half_y};
+  LeafBox box;
+  box.half_x = power_of_two(-1 - leaf.level[0]);
+  box.half_y = power_of_two(-1 - leaf.level[1]);
+  box.to_a = power_of_two(1 + leaf.level[0]);
+  box.to_b = power_of_two(1 + leaf.level[1]);
+  box.x = (leaf.corner >> 16) * (1 / kLeafGrid) + box.half_x - 0.5;
+  box.y = (leaf.corner & 0xffffu) * (1 / kLeafGrid) + box.half_y - 0.5;
+  return box;
 }
 
 template <int kDegree, int kComponents, class D, class V = hn::Vec<D>>
@@ -155,7 +168,7 @@ HWY_INLINE void newton_in_float(D d, const float* powers, int pu, int pv, const 
   const Planes<V> planes = load_planes(d, rays.float_planes, first);
   const V x0 = hn::Set(d, static_cast<float>(box.x)), y0 = hn::Set(d, static_cast<float>(box.y));
   const V half_x = hn::Set(d, static_cast<float>(box.half_x)), half_y = hn::Set(d, static_cast<float>(box.half_y));
-  const V to_a = hn::Set(d, static_cast<float>(1 / box.half_x)), to_b = hn::Set(d, static_cast<float>(1 / box.half_y));
+  const V to_a = hn::Set(d, static_cast<float>(box.to_a)), to_b = hn::Set(d, static_cast<float>(box.to_b));
   const V leash = hn::Set(d, kLeash), back = hn::Neg(leash);
   V a = hn::Load(d, out.a + first), b = hn::Load(d, out.b + first);
   auto going = lanes_of(d, out.certain, first);
