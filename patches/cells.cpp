@@ -34,7 +34,7 @@ struct Stray {
 };
 constexpr Stray kUnbounded{kInf, kInf, kInf};
 
-// The linear model of a subpatch about its middle, and bounds on how far its derivatives stray from it.
+// The linear model of a subpatch about its middle, and how far its derivatives stray from it.
 struct LinearModel {
   Point3 centre{0.0};
   Vec3 A{0.0}, B{0.0};
@@ -133,40 +133,57 @@ Slopes slopes(const BezierPatch& patch, const Vec2& st) {
   return {0.5 * (Vec3(j.Hs) - j.Hs.w * S) / j.H.w, 0.5 * (Vec3(j.Ht) - j.Ht.w * S) / j.H.w};
 }
 
-// The model over [-kCellMargin, kCellMargin]^2, for a patch over that square; all derivatives count in the cell's own parameters.
+// The model over [-kCellMargin, kCellMargin]^2, for a patch over that square; all derivatives count in the cell's own parameters. The
+// strays are those of five samples: the bounds cannot be smaller.
 LinearModel model_of(const BezierPatch& patch) {
   LinearModel m;
   m.centre = project(homogeneous_jet(patch, {0.5, 0.5}).H);
-  const Slopes middle = slopes(patch, {0.5, 0.5});
+  const auto slopes_at = [&](const Vec2& st) {
+    const Slopes at = slopes(patch, st);
+    return Slopes{at.a / kCellMargin, at.b / kCellMargin};
+  };
+  const Slopes middle = slopes_at({0.5, 0.5});
   m.A = middle.a;
   m.B = middle.b;
   const Vec3 cross = glm::cross(m.A, m.B);
   if (cross != Vec3(0.0)) m.normal = glm::normalize(cross);
-  if (is_rational(patch)) {
-    m.stray_a = bound_rational(patch, m, 0);
-    m.stray_b = bound_rational(patch, m, 1);
-    for (const Vec4& h : patch.net)
-      if (!(h.w > 0)) m.stray_a = m.stray_b = kUnbounded;  // beyond its border a rational patch may have a pole
-  } else {
-    bound_polynomial(patch, m);
-  }
   const double a = std::max(glm::length(m.A), 1e-300), b = std::max(glm::length(m.B), 1e-300);
-  const auto variation = [&](const Vec2& from, const Vec2& to) {
-    const Slopes p = slopes(patch, from), q = slopes(patch, to);
-    return glm::length(p.a - q.a) / a + glm::length(p.b - q.b) / b;
+  const auto variation = [&](const Vec2& st) {
+    const Slopes at = slopes_at(st);
+    m.stray_a.include(at.a - m.A, m.normal);
+    m.stray_b.include(at.b - m.B, m.normal);
+    return glm::length(at.a - m.A) / a + glm::length(at.b - m.B) / b;
   };
-  m.along_s = variation({0, 0.5}, {0.5, 0.5}) + variation({0.5, 0.5}, {1, 0.5});
-  m.along_t = variation({0.5, 0}, {0.5, 0.5}) + variation({0.5, 0.5}, {0.5, 1});
-  for (Vec3* slope : {&m.A, &m.B}) *slope /= kCellMargin;
-  m.stray_a *= 1 / kCellMargin;
-  m.stray_b *= 1 / kCellMargin;
+  m.along_s = variation({0, 0.5}) + variation({1, 0.5});
+  m.along_t = variation({0.5, 0}) + variation({0.5, 1});
   return m;
+}
+
+// Puts proven bounds in the place of the samples.
+void bound_strays(const BezierPatch& patch, LinearModel& m) {
+  LinearModel wide = m;  // counts in the parameters of the margin
+  wide.A *= kCellMargin;
+  wide.B *= kCellMargin;
+  wide.stray_a = wide.stray_b = {};
+  if (is_rational(patch)) {
+    wide.stray_a = bound_rational(patch, wide, 0);
+    wide.stray_b = bound_rational(patch, wide, 1);
+    for (const Vec4& h : patch.net)
+      if (!(h.w > 0)) wide.stray_a = wide.stray_b = kUnbounded;  // beyond its border a rational patch may have a pole
+  } else {
+    bound_polynomial(patch, wide);
+  }
+  m.stray_a = wide.stray_a *= 1 / kCellMargin;
+  m.stray_b = wide.stray_b *= 1 / kCellMargin;
 }
 
 // The patch beyond its borders by the margin.
 BezierPatch with_margin(const BezierPatch& patch) {
   constexpr double kBeyond = 0.5 * (kCellMargin - 1);
-  return part_of(patch, Vec2(-kBeyond), Vec2(1 + kBeyond));
+  BezierPatch wide = part_of(patch, Vec2(-kBeyond), Vec2(1 + kBeyond));
+  if (!is_rational(patch))
+    for (Vec4& h : wide.net) h.w = patch.net.front().w;  // rounding must not make it rational
+  return wide;
 }
 
 Slab slab_of(const BezierPatch& patch, const LinearModel& m) {
@@ -244,10 +261,14 @@ void divide(const BezierPiece& piece, int piece_index, const TrimRegion& trim, c
     if (kind == TrimRegion::Kind::outside) continue;
     const Box3 box = hull_box(node.patch);
     const BezierPatch wide = with_margin(node.patch);
-    const LinearModel m = model_of(wide);
+    LinearModel m = model_of(wide);
     const Slab slab = slab_of(node.patch, m);
-    const double tilt = tilt_of(m, slab);
     const bool last = node.levels >= policy.most_levels || (node.levels >= 6 && box.diagonal() < policy.small);
+    double tilt = tilt_of(m, slab);
+    if (last || tilt <= policy.bend) {
+      bound_strays(wide, m);
+      tilt = tilt_of(m, slab);
+    }
     if (last || tilt <= policy.bend) {
       const Vec3 curls = curls_of(wide, m.centre, radius_of(slab));
       cells.push_back(
