@@ -1,5 +1,9 @@
 #include "raytracer/leaf.h"
 
+#include <tbb/parallel_for.h>
+
+#include <iterator>
+
 #include "patches/base/bspline_basis.h"
 
 namespace iso {
@@ -136,16 +140,47 @@ void add_patches(PartGeometry& geometry, std::uint32_t index, const Face& face, 
 
 }  // namespace
 
+namespace {
+
+// What one face adds to its part.
+PartGeometry geometry_of_face(const Part& part, std::uint32_t index) {
+  PartGeometry geometry;
+  const double size = part.box.diagonal();
+  const Face& face = part.faces[index];
+  const TrimRegion& trim = geometry.trims.emplace_back(face, part.edges, kTrimRounding * size);
+  if (!add_analytic(geometry, index, face, trim)) add_patches(geometry, index, face, trim, size);
+  return geometry;
+}
+
+template <class T>
+void append(std::vector<T>& to, std::vector<T>& from) {
+  to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+}
+
+void append(PartGeometry& to, PartGeometry&& from) {
+  const auto patches = static_cast<std::uint32_t>(to.patches.size()), powers = static_cast<std::uint32_t>(to.powers.size());
+  for (Leaf& leaf : from.leaves) leaf.patch += patches;
+  for (LeafPatch& patch : from.patches)
+    if (patch.powers != LeafPatch::kNoPowers) patch.powers += powers;
+  append(to.trims, from.trims);
+  append(to.patches, from.patches);
+  append(to.leaves, from.leaves);
+  append(to.curls, from.curls);
+  append(to.leaf_boxes, from.leaf_boxes);
+  append(to.analytic, from.analytic);
+  append(to.powers, from.powers);
+  append(to.float_powers, from.float_powers);
+}
+
+}  // namespace
+
 PartGeometry make_geometry(const Part& part) {
   PartGeometry geometry;
   geometry.part = &part;
-  const double size = part.box.diagonal();
   for (const Edge& edge : part.edges) geometry.largest_gap = std::max(geometry.largest_gap, edge.closing);
-  for (std::uint32_t i = 0; i < part.faces.size(); ++i) {
-    const Face& face = part.faces[i];
-    geometry.trims.emplace_back(face, part.edges, kTrimRounding * size);
-    if (!add_analytic(geometry, i, face, geometry.trims.back())) add_patches(geometry, i, face, geometry.trims.back(), size);
-  }
+  std::vector<PartGeometry> faces(part.faces.size());
+  tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t i) { faces[i] = geometry_of_face(part, static_cast<std::uint32_t>(i)); });
+  for (PartGeometry& face : faces) append(geometry, std::move(face));
   for (const Box3& box : geometry.leaf_boxes) geometry.box.include(box);
   for (const AnalyticFace& face : geometry.analytic) geometry.box.include(face.box);
   geometry.size = geometry.box.diagonal();

@@ -71,7 +71,7 @@ struct PartGeometry {
   std::size_t bytes() const;
 };
 
-// Divides all faces. Boxes are inflated for the float rounding of rays that start on the part's box.
+// Divides all faces, in parallel. Boxes are inflated for the float rounding of rays that start on the part's box.
 PartGeometry make_geometry(const Part& part);
 
 // Smallest trim tolerance, as a share of the part's size: closes what rounding leaves between two faces that share an edge.
