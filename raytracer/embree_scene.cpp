@@ -303,6 +303,15 @@ struct Tracer::Impl {
     trace(top, context, context.top, enter_part(context.packet, lanes, to_top, {box.lo - centre, box.hi - centre}, top_size, context.top));
   }
 
+  // The rays of the next packet come from memory while this one is traced.
+  static void prefetch(std::span<const Ray> rays, std::size_t first) {
+    if (first >= rays.size()) return;
+    constexpr std::size_t kLine = 64;
+    const std::size_t end = std::min<std::size_t>(rays.size(), first + kWidth);
+    const auto *from = reinterpret_cast<const char*>(rays.data() + first), *to = reinterpret_cast<const char*>(rays.data() + end);
+    for (; from < to; from += kLine) __builtin_prefetch(from);
+  }
+
   // Runs `rays` through in sixteens; `begin(i, lane)` and `done(i, lane)` for each.
   template <class Begin, class Done>
   void batches(std::span<const Ray> rays, Query query, bool coherent, SolverStats& stats, const Begin& begin, const Done& done) const {
@@ -316,6 +325,7 @@ struct Tracer::Impl {
     stats.rays += rays.size();
     for (std::size_t first = 0; first < rays.size(); first += kWidth) {
       const int count = static_cast<int>(std::min<std::size_t>(kWidth, rays.size() - first));
+      prefetch(rays, first + kWidth);
       for (int i = 0; i < count; ++i) {
         const Ray& ray = rays[first + i];
         for (int c = 0; c < 3; ++c) {
