@@ -1,7 +1,8 @@
 // isophote_bench: ./isophote bench [NAME...] [--quick] [--json] [--rounds N] [--rays N]
 //
 // Every measurement is called direct-versus-triangles/SCENE/RAYS; a NAME selects those that have it as one of these three words, several
-// NAMEs those that fit the NAMEs of each kind: `linkrods teapot bounce` are two scenes, bounces only.
+// NAMEs those that fit the NAMEs of each kind: `linkrods teapot bounce` are two scenes, bounces only. The second benchmark, trim-queries,
+// has no scenes.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -10,11 +11,13 @@
 #include <iostream>
 
 #include "tests/bench/report.h"
+#include "tests/bench/trim_queries.h"
 
 namespace iso::bench {
 namespace {
 
-constexpr const char* kBenchmark = "direct-versus-triangles";
+constexpr const char *kBenchmark = "direct-versus-triangles", *kTrimQueries = "trim-queries";
+constexpr int kSegments[] = {10, 100, 1000};
 constexpr int kQuickRounds = 3, kQuickRays = 1 << 18;
 
 int fail(const Error& error) {
@@ -34,6 +37,19 @@ std::vector<std::string> chosen(const std::vector<std::string>& known, const std
   return found.empty() ? known : found;
 }
 
+int run_trim_queries(bool json) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const int segments : kSegments) {
+    const TrimTimes t = measure_trim_queries(segments);
+    rows.push_back({{"segments", t.segments}, {"uniform_ns", t.uniform}, {"near_ns", t.near}, {"checked", t.checked}});
+    if (!json)
+      fmt::print("{:5} segments: {:5.1f} ns a query (+-{:.1f}), {:5.1f} ns near the loop (+-{:.1f}); {} answers as the winding test's\n",
+                 t.segments, t.uniform, t.uniform_deviation, t.near, t.near_deviation, t.checked);
+  }
+  if (json) std::cout << rows.dump(2) << '\n';
+  return static_cast<int>(Exit::done);
+}
+
 int run(int argc, char** argv) {
   const std::vector<BenchScene> scenes = bench_scenes();
   std::vector<std::string> scene_names;
@@ -43,9 +59,9 @@ int run(int argc, char** argv) {
   MeasureOptions options;
   std::vector<std::string> names;
   bool json = false;
-  app.add_option(
-      "NAME", names,
-      fmt::format("what to measure: {}; scenes {}; rays {} [all]", kBenchmark, fmt::join(scene_names, " "), fmt::join(kRaySets, " ")));
+  app.add_option("NAME", names,
+                 fmt::format("what to measure: {}; scenes {}; rays {} [all]; or {}, alone", kBenchmark, fmt::join(scene_names, " "),
+                             fmt::join(kRaySets, " "), kTrimQueries));
   app.add_flag("--json", json, "print one JSON document instead of the table");
   auto* quick =
       app.add_flag("--quick", options.quick,
@@ -58,6 +74,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error, std::cout, std::cerr) == 0 ? static_cast<int>(Exit::done) : static_cast<int>(Exit::bad_command_line);
   }
+  if (names == std::vector<std::string>{kTrimQueries}) return run_trim_queries(json);
   if (*quick && !*rounds) options.rounds = kQuickRounds;
   if (*quick && !*count) options.rays = kQuickRays;
   for (const std::string& name : names)
