@@ -55,26 +55,24 @@ HomogeneousJet homogeneous_jet(const BezierPatch& patch, const Vec2& st) {
 
 namespace {
 
-// Applies `cut` to every row of the net in one direction.
-template <class Cut>
-BezierPatch map_rows(const BezierPatch& patch, int direction, Cut cut) {
-  BezierPatch out = patch;
-  const int lines = direction == 0 ? patch.pv : patch.pu, degree = direction == 0 ? patch.pu : patch.pv;
-  std::vector<Vec4> row(static_cast<std::size_t>(degree) + 1);
-  for (int k = 0; k <= lines; ++k) {
-    for (int i = 0; i <= degree; ++i) row[i] = direction == 0 ? patch.at(i, k) : patch.at(k, i);
-    const std::vector<Vec4> cut_row = cut(row);
-    for (int i = 0; i <= degree; ++i) (direction == 0 ? out.at(i, k) : out.at(k, i)) = cut_row[i];
-  }
-  return out;
+// Restricts a row of n + 1 coefficients to [lo, hi], in place.
+void restrict_row(Vec4* row, std::size_t step, int n, double lo, double hi) {
+  if (hi != 1)
+    for (int level = 1; level <= n; ++level)
+      for (int i = n; i >= level; --i) row[i * step] = (1 - hi) * row[(i - 1) * step] + hi * row[i * step];
+  if (lo == 0) return;
+  const double at = lo / hi;
+  for (int level = 1; level <= n; ++level)
+    for (int i = 0; i <= n - level; ++i) row[i * step] = (1 - at) * row[i * step] + at * row[(i + 1) * step];
 }
 
 }  // namespace
 
 BezierPatch part_of(const BezierPatch& patch, const Vec2& lo, const Vec2& hi) {
   BezierPatch out = patch;
-  if (lo.x != 0 || hi.x != 1) out = map_rows(out, 0, [&](const std::vector<Vec4>& r) { return bernstein_part(r, lo.x, hi.x); });
-  if (lo.y != 0 || hi.y != 1) out = map_rows(out, 1, [&](const std::vector<Vec4>& r) { return bernstein_part(r, lo.y, hi.y); });
+  const std::size_t columns = static_cast<std::size_t>(patch.pv) + 1;
+  for (int j = 0; j <= patch.pv; ++j) restrict_row(&out.net[static_cast<std::size_t>(j)], columns, patch.pu, lo.x, hi.x);
+  for (int i = 0; i <= patch.pu; ++i) restrict_row(&out.net[static_cast<std::size_t>(i) * columns], 1, patch.pv, lo.y, hi.y);
   return out;
 }
 

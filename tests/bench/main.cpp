@@ -1,4 +1,4 @@
-// isophote_bench: ./isophote bench [NAME...] [--quick] [--json] [--rounds N] [--rays N]
+// isophote_bench: ./isophote bench [NAME...] [--quick] [--json] [--rounds N] [--rays N] [--tolerance X...]
 //
 // Every measurement is called direct-versus-triangles/SCENE/RAYS; a NAME selects those that have it as one of these three words, several
 // NAMEs those that fit the NAMEs of each kind: `linkrods teapot bounce` are two scenes, bounces only. The second benchmark, trim-queries,
@@ -51,7 +51,7 @@ int run_trim_queries(bool json) {
 }
 
 int run(int argc, char** argv) {
-  const std::vector<BenchScene> scenes = bench_scenes();
+  std::vector<BenchScene> scenes = bench_scenes();
   std::vector<std::string> scene_names;
   for (const BenchScene& scene : scenes) scene_names.push_back(scene.name);
 
@@ -66,6 +66,9 @@ int run(int argc, char** argv) {
   auto* quick =
       app.add_flag("--quick", options.quick,
                    fmt::format("a first impression: the coarsest tessellations, --rounds {} --rays {}", kQuickRounds, kQuickRays));
+  std::vector<double> tolerances;
+  app.add_option("--tolerance", tolerances, "of the tessellations, shares of the diagonal, falling [each scene's own]")
+      ->check(CLI::Range(1e-9, 0.1));
   auto* rounds = app.add_option("--rounds", options.rounds, fmt::format("measured rounds after the warm-up [{}]", options.rounds))
                      ->check(CLI::Range(1, 1000));
   auto* count = app.add_option("--rays", options.rays, fmt::format("primary rays [{}]", options.rays))->check(CLI::Range(16, 1 << 26));
@@ -84,6 +87,9 @@ int run(int argc, char** argv) {
                    {},
                    fmt::format("unknown name '{}'; expected {}, {} or {}", name, kBenchmark, fmt::join(scene_names, ", "),
                                fmt::join(kRaySets, ", "))});
+
+  if (!tolerances.empty())
+    for (BenchScene& scene : scenes) scene.tolerances = tolerances;
 
   // One thread, builds included.
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
