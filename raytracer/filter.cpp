@@ -18,12 +18,16 @@ PixelFilter::PixelFilter() {
   }
   const double total = cumulative_[kSteps];
   for (double& c : cumulative_) c /= total;
+  for (int k = 0, i = 0; k < kSteps; ++k) {
+    while (i + 1 < kSteps && cumulative_[i + 1] <= double(k) / kSteps) ++i;
+    guide_[k] = i;
+  }
 }
 
 double PixelFilter::invert(double random) const {
   // The step that holds the number, then linear inside it.
-  const auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, random);
-  const int i = static_cast<int>(above - cumulative_.begin()) - 1;
+  int i = guide_[std::clamp(static_cast<int>(random * kSteps), 0, kSteps - 1)];
+  while (i + 1 < kSteps && cumulative_[i + 1] <= random) ++i;
   const double width = cumulative_[i + 1] - cumulative_[i];
   const double inside = width > 0 ? (random - cumulative_[i]) / width : 0.5;
   return kRadius * (2 * (i + inside) / kSteps - 1);

@@ -22,6 +22,7 @@ class PixelFilter {
   static constexpr int kSteps = 512;
   double invert(double random) const;
   std::array<double, kSteps + 1> cumulative_{};
+  std::array<int, kSteps> guide_{};  // where the search for k / kSteps begins
 };
 
 }  // namespace iso
