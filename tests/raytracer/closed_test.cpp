@@ -128,18 +128,13 @@ void examine(const ClosedSurface& s, std::uint64_t rays) {
 
 class Closed : public testing::TestWithParam<int> {};
 class ClosedSlow : public testing::TestWithParam<int> {};
-const ClosedSurface& surface_of(int index) {
-  static const std::vector<ClosedSurface> all = closed_surfaces();
-  return all[static_cast<std::size_t>(index)];
+TEST_P(Closed, NoRayGetsThroughOrFindsTheWrongSide) { examine(closed_surface(GetParam()), 50000); }
+TEST_P(ClosedSlow, NoneOfAMillionRaysGetsThroughOrFindsTheWrongSide) {
+  examine(closed_surface(GetParam()), wanted("ISOPHOTE_RAYS", 1000000));
 }
-TEST_P(Closed, NoRayGetsThroughOrFindsTheWrongSide) { examine(surface_of(GetParam()), 50000); }
-TEST_P(ClosedSlow, NoneOfAMillionRaysGetsThroughOrFindsTheWrongSide) { examine(surface_of(GetParam()), wanted("ISOPHOTE_RAYS", 1000000)); }
-const auto kNames = [](const testing::TestParamInfo<int>& info) {
-  constexpr const char* kAll[]{"BicubicTorus", "RationalTorus", "SphereWithPoles", "WavyTorus"};
-  return std::string(kAll[info.param]);
-};
-INSTANTIATE_TEST_SUITE_P(All, Closed, testing::Range(0, 4), kNames);
-INSTANTIATE_TEST_SUITE_P(All, ClosedSlow, testing::Range(0, 4), kNames);
+const auto kNames = [](const testing::TestParamInfo<int>& info) { return std::string(kClosedNames[info.param]); };
+INSTANTIATE_TEST_SUITE_P(All, Closed, testing::Range(0, kClosedSurfaces), kNames);
+INSTANTIATE_TEST_SUITE_P(All, ClosedSlow, testing::Range(0, kClosedSurfaces), kNames);
 
 }  // namespace
 }  // namespace iso::test

@@ -126,8 +126,9 @@ void examine(const ClosedSurface& s, std::uint64_t rays) {
   in_chunks(chunks, [&](std::uint64_t c, std::uint64_t thread) { sums[thread].add(chunk(s, tracer, aim, c)); });
   Found f = sums[0];
   f.add(sums[1]);
-  fmt::print("[ measured ] {}: {} rays at leaf borders, seams and poles; missed {}, in a window {}; {} fallbacks, {} touching\n", s.name,
-             f.rays, f.missed, f.missed_window, f.stats.fallbacks, f.stats.tangent);
+  fmt::print(
+      "[ measured ] {}: {} rays at leaf borders, seams and poles; missed {}, in a window {}; {} fallbacks, {} touching, {} out of budget\n",
+      s.name, f.rays, f.missed, f.missed_window, f.stats.fallbacks, f.stats.tangent, f.stats.fallback_out_of_budget);
   f.residuals.finish(s.name);
   EXPECT_EQ(f.rays, chunks * kChunk);
   EXPECT_EQ(f.without_normal, 0u) << s.name;
@@ -137,12 +138,13 @@ void examine(const ClosedSurface& s, std::uint64_t rays) {
   for (const std::string& text : f.told) ADD_FAILURE() << s.name << ": " << text;
 }
 
-TEST(LeafBorders, NoRaySlipsThrough) {
-  for (const ClosedSurface& s : closed_surfaces()) examine(s, 30000);
-}
-TEST(LeafBordersSlow, NoneOfAMillionRaysSlipsThrough) {
-  for (const ClosedSurface& s : closed_surfaces()) examine(s, wanted("ISOPHOTE_RAYS", 250000));
-}
+class LeafBorders : public testing::TestWithParam<int> {};
+class LeafBordersSlow : public testing::TestWithParam<int> {};
+TEST_P(LeafBorders, NoRaySlipsThrough) { examine(closed_surface(GetParam()), 30000); }
+TEST_P(LeafBordersSlow, NoneOfAMillionRaysSlipsThrough) { examine(closed_surface(GetParam()), wanted("ISOPHOTE_RAYS", 1000000)); }
+const auto kNames = [](const testing::TestParamInfo<int>& info) { return std::string(kClosedNames[info.param]); };
+INSTANTIATE_TEST_SUITE_P(All, LeafBorders, testing::Range(0, kClosedSurfaces), kNames);
+INSTANTIATE_TEST_SUITE_P(All, LeafBordersSlow, testing::Range(0, kClosedSurfaces), kNames);
 
 }  // namespace
 }  // namespace iso::test

@@ -102,11 +102,20 @@ struct ClosedSurface {
   Vec3 at(UV uv) const { return point(surface, uv); }
 };
 
-inline std::vector<ClosedSurface> closed_surfaces() {
-  return {{"bicubic torus", wavy_torus(8, 4)},
-          {"rational torus", rational_torus()},
-          {"sphere with poles", as_nurbs(Sphere{{}, 1.0}, {{0, -kPi / 2}, {kTwoPi, kPi / 2}})},
-          {"wavy torus", wavy_torus(64, 32)}};
+inline constexpr int kClosedSurfaces = 4;
+inline constexpr const char* kClosedNames[kClosedSurfaces]{"BicubicTorus", "RationalTorus", "SphereWithPoles", "WavyTorus"};
+
+inline ClosedSurface closed_surface(int index) {
+  switch (index) {
+    case 0:
+      return {"bicubic torus", wavy_torus(8, 4)};
+    case 1:
+      return {"rational torus", rational_torus()};
+    case 2:
+      return {"sphere with poles", as_nurbs(Sphere{{}, 1.0}, {{0, -kPi / 2}, {kTwoPi, kPi / 2}})};
+    default:
+      return {"wavy torus", wavy_torus(64, 32)};
+  }
 }
 
 }  // namespace iso::test
