@@ -118,10 +118,10 @@ class RootFinder {
   }
 
   // Each difference of the net along s makes with each along t a normal that is clearly on one side of d: then the part, seen along d, is
-  // one-to-one, since the mean tangents between any two points are sums of these differences. (In rational parts they are so nearly; the
-  // parts are small, and the margin is wide.)
+  // one-to-one, since the mean tangents between any two points are sums of these differences. (In rational parts they are so nearly, the
+  // better the smaller the part; those that need the whole margin are small.)
   static bool single_root(const BezierPatch& net, const Vec3& d) {
-    constexpr double kClear = 0.05;
+    constexpr double kClear = 1e-4;
     std::vector<Vec3> along_s, along_t;
     for (int i = 0; i <= net.pu; ++i)
       for (int j = 0; j <= net.pv; ++j) {
