@@ -103,7 +103,9 @@ template <class D, class V = hn::Vec<D>>
 HWY_INLINE void test_slab(D d, const Leaf& leaf, const LocalRays& rays, LaneMask lanes, std::size_t first, Proposal& out) {
   const V ox = hn::Load(d, rays.fo[0] + first), oy = hn::Load(d, rays.fo[1] + first), oz = hn::Load(d, rays.fo[2] + first);
   const V dx = hn::Load(d, rays.fd[0] + first), dy = hn::Load(d, rays.fd[1] + first), dz = hn::Load(d, rays.fd[2] + first);
-  V enter = hn::Zero(d), leave = hn::Load(d, rays.far + first);
+  // What is nearer already decides who is live, not where Newton starts: a root must not depend on what was found before.
+  const V far = hn::Load(d, rays.far + first);
+  V enter = hn::Zero(d), leave = hn::Set(d, 3e38f);
   const V one = hn::Set(d, 1.0f);
   const auto across = [&](const float row[4], V& start, V& speed) HWY_ATTR {
     const V x = hn::Set(d, row[0]), y = hn::Set(d, row[1]), z = hn::Set(d, row[2]);
@@ -121,7 +123,7 @@ HWY_INLINE void test_slab(D d, const Leaf& leaf, const LocalRays& rays, LaneMask
   across(leaf.a, a0, av);
   across(leaf.b, b0, bv);
   const V crossing = across(leaf.h, h0, hv);
-  const auto live = hn::And(lanes_of(d, lanes, first), hn::Le(enter, leave));
+  const auto live = hn::And(lanes_of(d, lanes, first), hn::Le(enter, hn::Min(leave, far)));
   out.live |= bits_of(d, live, first);
   out.certain |= bits_of(d, hn::And(live, hn::Gt(hn::Abs(hv), hn::Set(d, leaf.steep))), first);
   const V t = hn::Min(hn::Max(crossing, enter), leave);
