@@ -29,7 +29,7 @@ def panel(x0, title, unit, series, out):
         colour = COLOURS[name]
         out.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2" stroke-dasharray="5 4"/>')
         out.append(f'<path d="M{x0} {y(direct):.1f}h{PANEL}" stroke="{colour}" stroke-width="2.5"/>')
-        out.append(f'<text x="{x0 + 4}" y="{y(direct) - 5:.1f}" fill="{colour}">{name}, exact</text>')
+        out.append(f'<text x="{x0 + PANEL - 4}" y="{y(direct) - 5:.1f}" text-anchor="end" fill="{colour}">{name}, exact</text>')
 
 
 def main():
@@ -44,7 +44,7 @@ def main():
     memory = {"memory": (found[0]["direct_bytes"] / 1e6, [(r["tolerance"], r["triangles_bytes"] / 1e6) for r in found])}
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="12">',
-        "<style>.t{font-size:14px;font-weight:bold}.g{stroke:#ddd}.e{text-anchor:end;fill:#555}.m{text-anchor:middle;fill:#555}</style>",
+        "<style>.t{font-size:13px;font-weight:bold}.g{stroke:#ddd}.e{text-anchor:end;fill:#555}.m{text-anchor:middle;fill:#555}</style>",
         f'<rect width="{WIDTH}" height="{HEIGHT}" fill="#fff"/>',
     ]
     panel(LEFT, "Time of a ray (solid: exact; dashed: best triangles)", "ns", times, out)
