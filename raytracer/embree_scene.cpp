@@ -321,8 +321,9 @@ struct Tracer::Impl {
     context.placed = placed.data();
     Packet& packet = context.packet;
     packet.query = query;
-    packet.stats = &stats;
-    stats.rays += rays.size();
+    SolverStats counted;  // our own: the caller's may share a cache line with another thread's
+    counted.rays = rays.size();
+    packet.stats = &counted;
     for (std::size_t first = 0; first < rays.size(); first += kWidth) {
       const int count = static_cast<int>(std::min<std::size_t>(kWidth, rays.size() - first));
       prefetch(rays, first + kWidth);
@@ -346,6 +347,7 @@ struct Tracer::Impl {
       trace_packet(context, (1u << count) - 1);
       for (int i = 0; i < count; ++i) done(first + i, packet, i);
     }
+    stats += counted;
   }
 };
 

@@ -1,5 +1,6 @@
 #include "tests/bench/contest.h"
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <thread>
@@ -125,11 +126,16 @@ Row two_threads_against_one(const RaySet& set, const Tracer& tracer, int rounds)
     SolverStats ignored;
     tracer.nearest(rays.subspan(first, count), std::span(hits).subspan(first, count), set.order, ignored);
   };
-  const std::size_t half = rays.size() / 2;
+  // As a renderer shares its tiles: whoever is free takes the next piece.
+  constexpr std::size_t kPiece = 1 << 14;
   const auto on_one = [&] { trace(0, rays.size()); };
   const auto on_two = [&] {
-    std::thread other([&] { trace(0, half); });
-    trace(half, rays.size() - half);
+    std::atomic<std::size_t> next{0};
+    const auto run = [&] {
+      for (std::size_t first; (first = next.fetch_add(kPiece)) < rays.size();) trace(first, std::min(kPiece, rays.size() - first));
+    };
+    std::thread other(run);
+    run();
     other.join();
   };
   const auto wall_seconds_of = [](const auto& work) {
