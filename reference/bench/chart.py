@@ -29,7 +29,7 @@ def panel(x0, title, unit, series, out):
         colour = COLOURS[name]
         out.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="2" stroke-dasharray="5 4"/>')
         out.append(f'<path d="M{x0} {y(direct):.1f}h{PANEL}" stroke="{colour}" stroke-width="2.5"/>')
-        out.append(f'<text x="{x0 + PANEL - 4}" y="{y(direct) - 5:.1f}" text-anchor="end" fill="{colour}">{name}, exact</text>')
+        out.append(f'<text x="{x0 + PANEL - 4}" y="{y(direct) + 13:.1f}" text-anchor="end" fill="{colour}">{name}, exact</text>')
 
 
 def main():
