@@ -34,11 +34,14 @@ struct Stray {
 };
 constexpr Stray kUnbounded{kInf, kInf, kInf};
 
+// Tangents at a smaller angle span no slab.
+constexpr double kLeastSine = 1e-6;
+
 // The linear model of a subpatch about its middle, and how far its derivatives stray from it.
 struct LinearModel {
   Point3 centre{0.0};
   Vec3 A{0.0}, B{0.0};
-  Vec3 normal{0.0};  // of unit length; zero where A and B are parallel
+  Vec3 normal{0.0};  // of unit length; zero where A and B are all but parallel: then nothing is certain
   Stray stray_a, stray_b;
   double along_s = 0, along_t = 0;  // how much the derivatives vary when moving in s, in t, as shares of |A| and |B|
   int split_direction() const { return along_s >= along_t ? 0 : 1; }
@@ -146,7 +149,7 @@ LinearModel model_of(const BezierPatch& patch) {
   m.A = middle.a;
   m.B = middle.b;
   const Vec3 cross = glm::cross(m.A, m.B);
-  if (cross != Vec3(0.0)) m.normal = glm::normalize(cross);
+  if (glm::length(cross) > kLeastSine * glm::length(m.A) * glm::length(m.B)) m.normal = glm::normalize(cross);
   const double a = std::max(glm::length(m.A), 1e-300), b = std::max(glm::length(m.B), 1e-300);
   const auto variation = [&](const Vec2& st) {
     const Slopes at = slopes_at(st);
@@ -191,7 +194,7 @@ Slab slab_of(const BezierPatch& patch, const LinearModel& m) {
   const Vec3 cross = glm::cross(m.A, m.B);
   const double area = glm::length(cross);
   Slab slab;
-  if (area > 1e-6 * glm::length(m.A) * glm::length(m.B)) {
+  if (m.normal != Vec3(0.0)) {
     slab.row[0] = glm::cross(m.B, cross) / (area * area);
     slab.row[1] = glm::cross(cross, m.A) / (area * area);
     slab.row[2] = cross / area;

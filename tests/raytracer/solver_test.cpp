@@ -180,5 +180,30 @@ TEST(SolverSlow, RandomPatchesAgainstBruteSubdivision) { random_patches(kSeed + 
 TEST(SolverSlow, CollapsedSidesAndFoldsAgainstBruteSubdivision) { degenerate_patches(kSeed + 4, 320); }
 TEST(SolverSlow, GrazingRaysAgainstBruteSubdivision) { grazing_rays(kSeed + 5, 300); }
 
+// S = (u + v, eps v, (u - v)^2 / 2): tangents all but parallel. A ray along y meets it where u - v = +-sqrt(2 z).
+TEST(Solver, NearlyParallelTangentsLoseNoRoot) {
+  for (const double eps : {1e-4, 1e-5, 1e-6, 1e-7}) {
+    NurbsSurface s;
+    s.degree_u = s.degree_v = 2;
+    s.count_u = s.count_v = 3;
+    s.knots_u = s.knots_v = {0, 0, 0, 1, 1, 1};
+    const double one[] = {0, 0.5, 1}, square[] = {0, 0, 1};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        s.poles.emplace_back(one[i] + one[j], eps * one[j], 0.5 * square[i] - one[i] * one[j] + 0.5 * square[j], 1.0);
+    const Tracer tracer(one_face(s, natural_domain(s)));
+    std::vector<Ray> rays;
+    for (int i = 0; i < 40; ++i)
+      for (int j = 0; j < 40; ++j) rays.push_back({{0.8 + 0.4 * (i + 0.37) / 40, -1, 0.001 + 0.03 * (j + 0.59) / 40}, {0, 1, 0}});
+    std::vector<Hit> hits;
+    std::vector<std::size_t> offsets;
+    SolverStats stats;
+    tracer.all(rays, hits, offsets, stats);
+    std::size_t pairs = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) pairs += offsets[i + 1] - offsets[i] == 2 ? 1 : 0;
+    EXPECT_EQ(pairs, rays.size()) << eps;
+  }
+}
+
 }  // namespace
 }  // namespace iso::test
