@@ -409,7 +409,7 @@ SurfacePoint Tracer::surface_point(const Hit& hit) const {
   const Face& f = placed.part->faces[static_cast<std::size_t>(hit.face)];
   Jet2 j = jet2(f.surface, hit.uv);
   SurfacePoint out;
-  const double part_size = part.part->geometry.size;
+  const double terms = part.part->geometry.size + size_of_terms(f.surface, j.S);
   Vec3 normal = unit_normal(f.surface, hit.uv, f.domain);
   if (f.reversed) normal = -normal;
   out.p = placed.to_world.point(j.S);
@@ -422,7 +422,7 @@ SurfacePoint Tracer::surface_point(const Hit& hit) const {
   out.k2 = k.k2;
   const double stretch =
       std::max({glm::length(placed.to_world.linear[0]), glm::length(placed.to_world.linear[1]), glm::length(placed.to_world.linear[2])});
-  out.error_bound = kEps * (64 * stretch * part_size + 16 * (std::abs(out.p.x) + std::abs(out.p.y) + std::abs(out.p.z)));
+  out.error_bound = kEps * (64 * stretch * terms + 16 * (std::abs(out.p.x) + std::abs(out.p.y) + std::abs(out.p.z)));
   return out;
 }
 

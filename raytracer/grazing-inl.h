@@ -71,39 +71,31 @@ struct Verdict {
 template <int kComponents, class D, class V = hn::Vec<D>>
 HWY_INLINE Verdict<D> judge(D d, const PatchJet<V, kComponents>& jet, const WindowBounds& bounds, const Planes<V>& planes, double scale) {
   const auto set = [&](double x) HWY_ATTR { return hn::Set(d, x); };
-  const auto side = [&](const V n[3], V offset, const V P[kComponents], bool point) HWY_ATTR {
-    const V sum = hn::MulAdd(n[0], P[0], hn::MulAdd(n[1], P[1], hn::Mul(n[2], P[2])));
-    if constexpr (kComponents == 4)
-      return hn::NegMulAdd(offset, P[3], sum);
-    else
-      return point ? hn::Sub(sum, offset) : sum;
-  };
-  const V f = side(planes.n1, planes.d1, jet.P, true), g = side(planes.n2, planes.d2, jet.P, true);
-  const V fa = side(planes.n1, planes.d1, jet.Ps, false), fb = side(planes.n1, planes.d1, jet.Pt, false);
-  const V ga = side(planes.n2, planes.d2, jet.Ps, false), gb = side(planes.n2, planes.d2, jet.Pt, false);
+  const PlaneJet<V> p = plane_jet(jet, planes);
 
   // (f, g) of a grazing ray runs along a narrow band beside its longer column: does the origin lie across it or beyond its ends?
   V rounding = set(32 * kEps * scale);
   if constexpr (kComponents == 4) rounding = hn::Mul(rounding, jet.P[3]);
   const V bend = hn::Add(set(bounds.bend), rounding);
-  const V size_a = hn::MulAdd(fa, fa, hn::Mul(ga, ga)), size_b = hn::MulAdd(fb, fb, hn::Mul(gb, gb));
+  const V size_a = hn::MulAdd(p.fs, p.fs, hn::Mul(p.gs, p.gs)), size_b = hn::MulAdd(p.ft, p.ft, hn::Mul(p.gt, p.gt));
   const auto a_longer = hn::Ge(size_a, size_b);
-  const V lx = hn::IfThenElse(a_longer, fa, fb), ly = hn::IfThenElse(a_longer, ga, gb);
-  const V sx = hn::IfThenElse(a_longer, fb, fa), sy = hn::IfThenElse(a_longer, gb, ga);
+  const V lx = hn::IfThenElse(a_longer, p.fs, p.ft), ly = hn::IfThenElse(a_longer, p.gs, p.gt);
+  const V sx = hn::IfThenElse(a_longer, p.ft, p.fs), sy = hn::IfThenElse(a_longer, p.gt, p.gs);
   const V length = hn::Sqrt(hn::Max(size_a, size_b));
   const auto across = [&](V x, V y) HWY_ATTR { return hn::Abs(hn::NegMulAdd(ly, x, hn::Mul(lx, y))); };
   const auto along = [&](V x, V y) HWY_ATTR { return hn::Abs(hn::MulAdd(ly, y, hn::Mul(lx, x))); };
-  const auto beside = hn::Gt(across(f, g), hn::MulAdd(length, bend, across(sx, sy)));
-  const auto beyond = hn::Gt(along(f, g), hn::MulAdd(length, hn::Add(length, bend), along(sx, sy)));
+  const auto beside = hn::Gt(across(p.f, p.g), hn::MulAdd(length, bend, across(sx, sy)));
+  const auto beyond = hn::Gt(along(p.f, p.g), hn::MulAdd(length, hn::Add(length, bend), along(sx, sy)));
 
-  const V determinant = hn::NegMulAdd(fb, ga, hn::Mul(fa, gb)), inverse = hn::Div(set(1), determinant);
+  const V inverse = inverse_determinant(p);
   const V reach_a = hn::Mul(hn::Sqrt(size_b), hn::Abs(inverse)), reach_b = hn::Mul(hn::Sqrt(size_a), hn::Abs(inverse));
   const V contraction = hn::MulAdd(reach_a, set(bounds.stray_a), hn::Mul(reach_b, set(bounds.stray_b)));
   const V border = hn::Mul(rounding, hn::Max(reach_a, reach_b));
   const auto certain = hn::And(hn::Lt(contraction, set(kCertain)), hn::Lt(border, set(0.25 * kDoubtful)));
 
   // A root in the window lies at most this far from the linear root.
-  const V a = hn::Mul(hn::NegMulAdd(gb, f, hn::Mul(fb, g)), inverse), b = hn::Mul(hn::NegMulAdd(fa, g, hn::Mul(ga, f)), inverse);
+  V a, b;
+  newton_step(p, inverse, a, b);
   const V one = set(1 + kDoubtful);
   const auto off = hn::Or(hn::Gt(hn::Abs(a), hn::MulAdd(reach_a, bend, one)), hn::Gt(hn::Abs(b), hn::MulAdd(reach_b, bend, one)));
   const auto missed = hn::Or(hn::Or(beside, beyond), hn::And(certain, off));
@@ -136,7 +128,7 @@ class GrazingRay {
       const GrazedWindow w = stack_[--count_];
       if (w.level >= kMostLevels || divisions >= kMostDivisions) {
         // Roots met twice are removed by who counts.
-        sink_.undecided(LaneMask{1} << lane_, {{leaf_.x + 0.5, leaf_.y + 0.5}, {leaf_.half_x, leaf_.half_y}});
+        sink_.undecided(LaneMask{1} << lane_, leaf_.window());
         return;
       }
       const Parts parts = parts_of(curls_, w);

@@ -1,5 +1,7 @@
 #include "raytracer/leaf_kernel.h"
 
+#include <bit>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raytracer/leaf_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -42,7 +44,7 @@ void meet_packet(const PartGeometry& geometry, std::uint32_t index, const LocalR
   sink.missed_slab(lanes & ~proposal.live);
   if (!proposal.live) return;
   const LeafPatch& patch = geometry.patches[leaf.patch];
-  if (patch.powers == LeafPatch::kNoPowers) return sink.undecided(proposal.live, window_of(leaf));
+  if (patch.powers == LeafPatch::kNoPowers) return sink.undecided(proposal.live, box_of(leaf).window());
   const int pu = patch.piece.patch.pu, pv = patch.piece.patch.pv, degree = pu == pv ? pu : 0;
   if (patch.rational) {
     if (degree == 2) return solve<2, 4>(geometry, index, rays, proposal, sink);
@@ -66,9 +68,16 @@ void roots_of_packet(const PartGeometry& geometry, std::uint32_t leaf, const Loc
   HWY_DYNAMIC_DISPATCH(meet_packet)(geometry, leaf, rays, lanes, leaving, sink);
 }
 
-Window window_of(const Leaf& leaf) {
-  const Vec2 half{0.5 / static_cast<double>(1u << leaf.level[0]), 0.5 / static_cast<double>(1u << leaf.level[1])};
-  return {Vec2{(leaf.corner >> 16) / kLeafGrid, (leaf.corner & 0xffffu) / kLeafGrid} + half, half};
+LeafBox box_of(const Leaf& leaf) {
+  const auto power_of_two = [](int exponent) { return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52); };
+  LeafBox box;
+  box.half_x = power_of_two(-1 - leaf.level[0]);
+  box.half_y = power_of_two(-1 - leaf.level[1]);
+  box.to_a = power_of_two(1 + leaf.level[0]);
+  box.to_b = power_of_two(1 + leaf.level[1]);
+  box.x = (leaf.corner >> 16) * (1 / kLeafGrid) + box.half_x - 0.5;
+  box.y = (leaf.corner & 0xffffu) * (1 / kLeafGrid) + box.half_y - 0.5;
+  return box;
 }
 
 }  // namespace iso

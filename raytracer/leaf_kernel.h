@@ -36,7 +36,14 @@ struct Window {
 
   Vec2 to_unit(const Vec2& ab) const { return middle + half * ab; }
 };
-Window window_of(const Leaf& leaf);
+
+// A leaf's middle about the middle of its patch, and its half widths with their inverses (all powers of two).
+struct LeafBox {
+  double x, y, half_x, half_y, to_a, to_b;
+
+  Window window() const { return {{x + 0.5, y + 0.5}, {half_x, half_y}}; }
+};
+LeafBox box_of(const Leaf& leaf);
 
 // Takes what is found. A lane may be called several times.
 class RootSink {

@@ -57,7 +57,7 @@ HWY_INLINE Polished<D> polish(D d, const double* powers, int pu, int pv, const R
     PatchJet<V, kComponents> jet;
     evaluate<kDegree, kComponents>(d, powers, pu, pv, hn::MulAdd(box.half_x, a, box.x), hn::MulAdd(box.half_y, b, box.y), jet);
     V dx, dy;
-    newton_step<V, kComponents>(jet, rays.planes, dx, dy);
+    newton_step(jet, rays.planes, dx, dy);
     const V da = hn::Mul(dx, box.to_a), db = hn::Mul(dy, box.to_b);
     a = hn::IfThenElse(going, hn::Add(a, da), a);
     b = hn::IfThenElse(going, hn::Add(b, db), b);

@@ -1,6 +1,5 @@
 // Step 1 of leaf_kernel.h: the slab test, and Newton in float. Compiled once per instruction set (Highway's per-target header).
 #include <hwy/highway.h>
-#include <cstring>
 
 #include "raytracer/leaf_kernel.h"
 
@@ -69,22 +68,45 @@ struct Planes {
   V n1[3], n2[3], d1, d2;
 };
 
-// Newton's step for n . P = d w on both planes.
+// The plane equations n . P - d w of both planes, with their derivatives.
+template <class V>
+struct PlaneJet {
+  V f, g, fs, ft, gs, gt;
+};
+template <class V, int kComponents>
+HWY_INLINE PlaneJet<V> plane_jet(const PatchJet<V, kComponents>& jet, const Planes<V>& planes) {
+  const auto dot = [](const V n[3], const V P[kComponents])
+                       HWY_ATTR { return hn::MulAdd(n[0], P[0], hn::MulAdd(n[1], P[1], hn::Mul(n[2], P[2]))); };
+  const auto value = [&](const V n[3], V offset) HWY_ATTR {
+    if constexpr (kComponents == 4)
+      return hn::NegMulAdd(offset, jet.P[3], dot(n, jet.P));
+    else
+      return hn::Sub(dot(n, jet.P), offset);
+  };
+  const auto slope = [&](const V n[3], V offset, const V P[kComponents]) HWY_ATTR {
+    if constexpr (kComponents == 4)
+      return hn::NegMulAdd(offset, P[3], dot(n, P));
+    else
+      return dot(n, P);
+  };
+  return {value(planes.n1, planes.d1),         value(planes.n2, planes.d2),         slope(planes.n1, planes.d1, jet.Ps),
+          slope(planes.n1, planes.d1, jet.Pt), slope(planes.n2, planes.d2, jet.Ps), slope(planes.n2, planes.d2, jet.Pt)};
+}
+
+// Newton's step on both; `inverse` of the determinant.
+template <class V>
+HWY_INLINE void newton_step(const PlaneJet<V>& p, V inverse, V& dx, V& dy) {
+  dx = hn::Mul(hn::NegMulAdd(p.gt, p.f, hn::Mul(p.ft, p.g)), inverse);
+  dy = hn::Mul(hn::NegMulAdd(p.fs, p.g, hn::Mul(p.gs, p.f)), inverse);
+}
+template <class V>
+HWY_INLINE V inverse_determinant(const PlaneJet<V>& p) {
+  return hn::Div(hn::Set(hn::DFromV<V>(), 1), hn::NegMulAdd(p.ft, p.gs, hn::Mul(p.fs, p.gt)));
+}
 template <class V, int kComponents>
 HWY_INLINE void newton_step(const PatchJet<V, kComponents>& jet, const Planes<V>& planes, V& dx, V& dy) {
-  const auto side = [&](const V n[3], V offset, const V P[kComponents], bool point) HWY_ATTR {
-    const V sum = hn::MulAdd(n[0], P[0], hn::MulAdd(n[1], P[1], hn::Mul(n[2], P[2])));
-    if constexpr (kComponents == 4)
-      return hn::NegMulAdd(offset, P[3], sum);
-    else
-      return point ? hn::Sub(sum, offset) : sum;
-  };
-  const V f = side(planes.n1, planes.d1, jet.P, true), g = side(planes.n2, planes.d2, jet.P, true);
-  const V fs = side(planes.n1, planes.d1, jet.Ps, false), ft = side(planes.n1, planes.d1, jet.Pt, false);
-  const V gs = side(planes.n2, planes.d2, jet.Ps, false), gt = side(planes.n2, planes.d2, jet.Pt, false);
-  const V inverse = hn::Div(hn::Set(hn::DFromV<V>(), 1), hn::NegMulAdd(ft, gs, hn::Mul(fs, gt)));
-  dx = hn::Mul(hn::NegMulAdd(gt, f, hn::Mul(ft, g)), inverse);
-  dy = hn::Mul(hn::NegMulAdd(fs, g, hn::Mul(gs, f)), inverse);
+  const PlaneJet<V> p = plane_jet(jet, planes);
+  newton_step(p, inverse_determinant(p), dx, dy);
 }
 
 // What the proposal leaves for the polish: parameters about the middle of the leaf, in half widths.
@@ -143,27 +165,6 @@ HWY_INLINE Planes<V> load_planes(D d, const PlaneLanes<T>& lanes, std::size_t fi
   return p;
 }
 
-// A leaf's middle about the middle of its patch, and its half widths with their inverses (all powers of two).
-struct LeafBox {
-  double x, y, half_x, half_y, to_a, to_b;
-};
-HWY_INLINE double power_of_two(int exponent) {
-  const std::uint64_t bits = static_cast<std::uint64_t>(1023 + exponent) << 52;
-  double x;
-  std::memcpy(&x, &bits, sizeof x);
-  return x;
-}
-HWY_INLINE LeafBox box_of(const Leaf& leaf) {
-  LeafBox box;
-  box.half_x = power_of_two(-1 - leaf.level[0]);
-  box.half_y = power_of_two(-1 - leaf.level[1]);
-  box.to_a = power_of_two(1 + leaf.level[0]);
-  box.to_b = power_of_two(1 + leaf.level[1]);
-  box.x = (leaf.corner >> 16) * (1 / kLeafGrid) + box.half_x - 0.5;
-  box.y = (leaf.corner & 0xffffu) * (1 / kLeafGrid) + box.half_y - 0.5;
-  return box;
-}
-
 template <int kDegree, int kComponents, class D, class V = hn::Vec<D>>
 HWY_INLINE void newton_in_float(D d, const float* powers, int pu, int pv, const LeafBox& box, const LocalRays& rays, std::size_t first,
                                 Proposal& out) {
@@ -178,7 +179,7 @@ HWY_INLINE void newton_in_float(D d, const float* powers, int pu, int pv, const 
     PatchJet<V, kComponents> jet;
     evaluate<kDegree, kComponents>(d, powers, pu, pv, hn::MulAdd(half_x, a, x0), hn::MulAdd(half_y, b, y0), jet);
     V da, db;
-    newton_step<V, kComponents>(jet, planes, da, db);
+    newton_step(jet, planes, da, db);
     da = hn::Mul(da, to_a);
     db = hn::Mul(db, to_b);
     a = hn::IfThenElse(going, hn::Min(hn::Max(hn::Add(a, da), back), leash), a);

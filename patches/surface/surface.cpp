@@ -185,6 +185,44 @@ Point3 point(const AnySurface& surface, UV uv) {
       surface);
 }
 
+namespace {
+
+double size_of_terms(const Curve3& curve) {
+  return std::visit(
+      [](const auto& c) {
+        if constexpr (requires { c.origin; })
+          return glm::length(c.origin);
+        else if constexpr (requires { c.centre; })
+          return glm::length(c.centre) + glm::length(c.X) + glm::length(c.Y);
+        else if constexpr (requires { c.vertex; })
+          return glm::length(c.vertex);
+        else
+          return 0.0;
+      },
+      curve);
+}
+
+}  // namespace
+
+double size_of_terms(const AnySurface& surface, const Point3& S) {
+  const auto about = [&](const Vec3& O) { return glm::length(O) + glm::length(S - O); };
+  return std::visit(
+      [&](const auto& s) {
+        using Kind = std::decay_t<decltype(s)>;
+        if constexpr (std::is_same_v<Kind, Cone>)
+          return about(s.frame.O) + s.r;
+        else if constexpr (Framed<Kind>)
+          return about(s.frame.O);
+        else if constexpr (std::is_same_v<Kind, Revolution>)
+          return about(s.O) + size_of_terms(s.profile);
+        else if constexpr (std::is_same_v<Kind, Extrusion>)
+          return size_of_terms(s.profile);
+        else
+          return 0.0;
+      },
+      surface);
+}
+
 bool has_closed_form_bounds(const AnySurface& surface) {
   return std::visit([](const auto& s) { return Framed<std::decay_t<decltype(s)>>; }, surface);
 }

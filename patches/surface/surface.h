@@ -83,6 +83,10 @@ Vec2 periods(const AnySurface& surface);
 Jet2 jet2(const AnySurface& surface, UV uv);
 Point3 point(const AnySurface& surface, UV uv);
 
+// The size of the numbers that a point S of the surface is added up from: a frame far away, a large radius. The rounding of S is a small
+// multiple of it. 0 for a NURBS, whose poles are no larger than the surface.
+double size_of_terms(const AnySurface& surface, const Point3& S);
+
 // Moves the surface by an affine similarity that is exact for these kinds: translation only.
 void translate(AnySurface& surface, const Vec3& by);
 

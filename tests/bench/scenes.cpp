@@ -2,10 +2,10 @@
 
 #include "patches/io/read_model.h"
 #include "tests/bench/occt_plate.h"
-#include "tests/bench/tori.h"
 #include "tests/bench/uniform_mesh.h"
 #include "tests/support/occt_mesh.h"
 #include "tests/support/paths.h"
+#include "tests/support/smooth_tori.h"
 
 namespace iso::bench {
 namespace {
@@ -50,8 +50,17 @@ BenchScene cad(const std::string& name, const std::string& what, const std::stri
 }
 
 BenchScene smooth(const std::string& name, const std::string& what, std::vector<std::string> rays,
-                  const std::function<TraceScene()>& make) {
-  return {name, what, std::move(rays), {kCoarse, kFine}, [=] { return Result<TraceScene>(make()); }, mesh_uniformly, {}};
+                  const std::function<NurbsSurface()>& make) {
+  return {name,
+          what,
+          std::move(rays),
+          {kCoarse, kFine},
+          [=] {
+            const NurbsSurface surface = make();
+            return Result<TraceScene>(test::one_face(surface, natural_domain(surface)));
+          },
+          mesh_uniformly,
+          {}};
 }
 
 BenchScene teapot() {
@@ -89,10 +98,10 @@ std::vector<BenchScene> bench_scenes() {
   all.erase(std::find(all.begin(), all.end(), "first-image"));
   const std::vector<std::string> rays{"primary", "bounce", "room"}, with_image{"primary", "bounce", "room", "occlusion", "first-image"};
   return {
-      smooth("wavy-torus", "2048 bicubic patches, closed, curvature continuous", all, [] { return wavy_torus(64, 32); }),
+      smooth("wavy-torus", "2048 bicubic patches, closed, curvature continuous", all, [] { return test::wavy_torus(64, 32); }),
       smooth("small-torus", "32 bicubic patches, closed, curvature continuous", {"primary", "bounce", "room", "occlusion"},
-             [] { return wavy_torus(8, 4); }),
-      smooth("rational-torus", "torus of 16 rational biquadratic patches", rays, rational_torus),
+             [] { return test::wavy_torus(8, 4); }),
+      smooth("rational-torus", "torus of 16 rational biquadratic patches", rays, test::rational_torus),
       teapot(),
       plate(),
       cad("linkrods", "occt-misc step/linkrods.step, trimmed, up to degree 6 x 10", occt + "step/linkrods.step", with_image),

@@ -2,6 +2,7 @@
 // the hits lie on the surface to rounding. $ISOPHOTE_RAYS sets the number of rays per surface of the slow suite.
 #include "tests/support/closed_surfaces.h"
 #include "tests/support/residuals.h"
+#include "tests/support/told.h"
 #include "tests/support/wanted.h"
 
 namespace iso::test {
@@ -14,12 +15,12 @@ struct Found {
   std::uint64_t inside = 0, outside = 0, missed = 0, wrong_side = 0, far = 0, grazing = 0, orders_differ = 0;
   Residuals residuals;
   SolverStats stats;
-  std::vector<std::string> told;
+  Told told;
 
   void tell(const char* what, const Ray& ray, const Hit& hit) {
-    if (told.size() < 3)
-      told.push_back(
-          fmt::format("{}: t {:.17g} uv {:.17g} {:.17g} status {}, {}", what, hit.t, hit.uv.x, hit.uv.y, int(hit.status), text_of(ray)));
+    told.add([&] {
+      return fmt::format("{}: t {:.17g} uv {:.17g} {:.17g} status {}, {}", what, hit.t, hit.uv.x, hit.uv.y, int(hit.status), text_of(ray));
+    });
   }
   void add(const Found& o) {
     inside += o.inside;
@@ -31,8 +32,7 @@ struct Found {
     orders_differ += o.orders_differ;
     residuals.add(o.residuals);
     stats += o.stats;
-    for (const std::string& s : o.told)
-      if (told.size() < 5) told.push_back(s);
+    told.add(o.told);
   }
 };
 
@@ -124,7 +124,7 @@ void examine(const ClosedSurface& s, std::uint64_t rays) {
   EXPECT_EQ(f.orders_differ, 0u) << s.name;
   // Those met at a cosine of some 1e-7 use up the budget of parts; they are told as touching.
   EXPECT_LE(f.stats.fallback_out_of_budget, (f.inside + f.outside) / 1000000) << s.name;
-  for (const std::string& text : f.told) ADD_FAILURE() << s.name << ": " << text;
+  f.told.fail(s.name);
 }
 
 class Closed : public testing::TestWithParam<int> {};

@@ -2,14 +2,15 @@
 // they are the same to the last bit. Those that the kernels are compiled for differ by rounding (some have fused multiplication and
 // addition, some have not); where the nearest hits differ by more, the ray grazes, or two faces meet there.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <cstring>
 
 #include "tests/support/closed_surfaces.h"
 #include "tests/support/edge_distance.h"
+#include "tests/support/instruction_set.h"
 #include "tests/support/load.h"
 #include "tests/support/residuals.h"
+#include "tests/support/told.h"
 
 namespace iso::test {
 namespace {
@@ -33,21 +34,6 @@ Answers trace(const Tracer& tracer, const std::vector<Ray>& rays) {
 bool same(const Hit& a, const Hit& b) {
   return std::memcmp(&a.t, &b.t, sizeof a.t) == 0 && a.uv == b.uv && a.placed == b.placed && a.face == b.face;
 }
-
-// Runs a scope with one instruction set of the kernels.
-class KernelsFor {
- public:
-  explicit KernelsFor(std::int64_t target) { choose(target); }
-  ~KernelsFor() { choose(0); }
-  KernelsFor(const KernelsFor&) = delete;
-  KernelsFor& operator=(const KernelsFor&) = delete;
-
- private:
-  static void choose(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  }
-};
 
 struct Subject {
   std::string name;
@@ -99,7 +85,7 @@ constexpr double kMeet = 1e-9;       // of the size: hits this near to each othe
 struct Differences {
   std::uint64_t rays = 0, hits = 0, to_last_bit = 0, grazing = 0, faces_meet = 0, at_border = 0, unexplained = 0;
   double t = 0, uv = 0;  // largest, of the size
-  std::vector<std::string> told;
+  Told told;
 };
 
 // The distance that (u, v) moves a hit by.
@@ -143,9 +129,10 @@ void compare(const Tracer& tracer, const Ray& ray, const Hit& a, const Hit& b, d
     ++sum.at_border;
   else {
     ++sum.unexplained;
-    if (sum.told.size() < 3)
-      sum.told.push_back(fmt::format("t {:.17g} face {} uv {:.17g} {:.17g}; t {:.17g} face {} uv {:.17g} {:.17g}; {}", a.t, a.face, a.uv.x,
-                                     a.uv.y, b.t, b.face, b.uv.x, b.uv.y, text_of(ray)));
+    sum.told.add([&] {
+      return fmt::format("t {:.17g} face {} uv {:.17g} {:.17g}; t {:.17g} face {} uv {:.17g} {:.17g}; {}", a.t, a.face, a.uv.x, a.uv.y, b.t,
+                         b.face, b.uv.x, b.uv.y, text_of(ray));
+    });
   }
 }
 
@@ -176,7 +163,7 @@ TEST(InstructionSets, OfTheKernelsDifferByRounding) {
       EXPECT_GT(sum.hits, sum.rays / 4) << s.name;
       EXPECT_EQ(sum.unexplained, 0u) << s.name << " " << hwy::TargetName(target);
       EXPECT_LE(sum.grazing + sum.faces_meet + sum.at_border, sum.rays / 2000) << "few, explained or not: " << s.name;
-      for (const std::string& text : sum.told) ADD_FAILURE() << s.name << " " << hwy::TargetName(target) << ": " << text;
+      sum.told.fail(s.name + " " + hwy::TargetName(target));
     }
     // Rounding shows that the kernels were switched at all.
     EXPECT_GE(sets_that_differ, 1u) << s.name;

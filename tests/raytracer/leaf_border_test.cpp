@@ -3,6 +3,7 @@
 // number of rays per surface of the slow suite.
 #include "tests/support/closed_surfaces.h"
 #include "tests/support/residuals.h"
+#include "tests/support/told.h"
 #include "tests/support/wanted.h"
 
 namespace iso::test {
@@ -55,7 +56,7 @@ struct Found {
   std::uint64_t rays = 0, without_normal = 0, missed = 0, missed_window = 0, blocked_differs = 0;
   Residuals residuals;
   SolverStats stats;
-  std::vector<std::string> told;
+  Told told;
 
   void add(const Found& o) {
     rays += o.rays;
@@ -65,8 +66,7 @@ struct Found {
     blocked_differs += o.blocked_differs;
     residuals.add(o.residuals);
     stats += o.stats;
-    for (const std::string& s : o.told)
-      if (told.size() < 5) told.push_back(s);
+    told.add(o.told);
   }
 };
 
@@ -100,8 +100,7 @@ Found chunk(const ClosedSurface& s, const Tracer& tracer, const Aim& aim, std::u
   for (std::size_t i = 0; i < open.size(); ++i) {
     ++f.rays;
     const auto tell = [&](const char* what, const Hit& hit) {
-      if (f.told.size() < 3)
-        f.told.push_back(fmt::format("{}: target t {:.17g}, hit t {:.17g}, {}", what, targets[i], hit.t, text_of(open[i])));
+      f.told.add([&] { return fmt::format("{}: target t {:.17g}, hit t {:.17g}, {}", what, targets[i], hit.t, text_of(open[i])); });
     };
     if (!first[i] || first[i].t > targets[i] + kNear * s.size) {
       ++f.missed;
@@ -135,7 +134,7 @@ void examine(const ClosedSurface& s, std::uint64_t rays) {
   EXPECT_EQ(f.missed, 0u) << s.name;
   EXPECT_EQ(f.missed_window, 0u) << s.name;
   EXPECT_EQ(f.blocked_differs, 0u) << s.name;
-  for (const std::string& text : f.told) ADD_FAILURE() << s.name << ": " << text;
+  f.told.fail(s.name);
 }
 
 class LeafBorders : public testing::TestWithParam<int> {};

@@ -6,6 +6,7 @@
 #include "tests/support/load.h"
 #include "tests/support/random_shapes.h"
 #include "tests/support/solids.h"
+#include "tests/support/told.h"
 
 namespace iso::test {
 namespace {
@@ -15,7 +16,7 @@ constexpr double kGrazing = 1e-4;  // cosine between ray and normal below which 
 
 struct Parity {
   std::uint64_t rays = 0, hits = 0, met = 0, odd = 0, tangent = 0, by_tolerance = 0, grazing = 0, edge = 0, unexplained = 0;
-  std::vector<std::string> told;
+  Told told;
 
   void add(const Parity& o) {
     rays += o.rays;
@@ -27,8 +28,7 @@ struct Parity {
     grazing += o.grazing;
     edge += o.edge;
     unexplained += o.unexplained;
-    for (const std::string& s : o.told)
-      if (told.size() < 5) told.push_back(s);
+    told.add(o.told);
   }
 };
 
@@ -56,7 +56,7 @@ void explain(const Tracer& tracer, const Ray& ray, std::span<const Hit> hits, Pa
   for (const Hit& hit : hits)
     text += fmt::format(" [face {} t {:.17g} uv {:.17g} {:.17g} n.d {:.3g}]", hit.face, hit.t, hit.uv.x, hit.uv.y,
                         glm::dot(tracer.surface_point(hit).n, glm::normalize(ray.d)));
-  sum.told.push_back(text);
+  sum.told.add([&] { return text; });
 }
 
 // Chunks have seeds of their own, so the rays do not depend on the number of threads.
@@ -104,7 +104,7 @@ void count_parity(const std::string& name, const Tracer& tracer, int rays) {
   EXPECT_GE(sum.met, sum.rays / 10);
   EXPECT_EQ(sum.unexplained, 0u);
   EXPECT_LE(sum.odd, sum.rays / 1000) << "explained or not, that is a sieve";
-  for (const std::string& text : sum.told) ADD_FAILURE() << "unexplained: " << text;
+  sum.told.fail("unexplained");
 }
 
 // Parts of the test that must be fast.

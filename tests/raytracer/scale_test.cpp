@@ -9,6 +9,7 @@
 #include "tests/support/random_shapes.h"
 #include "tests/support/solids.h"
 #include "tests/support/tally.h"
+#include "tests/support/told.h"
 
 namespace iso::test {
 namespace {
@@ -19,7 +20,7 @@ constexpr double kGrazing = 1e-4;
 struct Comparison {
   std::uint64_t rays = 0, equal = 0, hits = 0, grazing = 0, edge = 0, unexplained = 0, met = 0;
   double worst_t = 0;
-  std::vector<std::string> told;
+  Told told;
 };
 
 bool passes_an_edge(const TraceScene& scene, const Ray& ray, double loosest) {
@@ -83,7 +84,7 @@ Comparison compare(const Tracer& original, const Tracer& scaled, double factor, 
       for (const Hit& hit : a) text += fmt::format(" [face {} t {:.17g}]", hit.face, hit.t);
       text += " but";
       for (const Hit& hit : b) text += fmt::format(" [face {} t {:.17g}]", hit.face, hit.t / factor);
-      c.told.push_back(text);
+      c.told.add([&] { return text; });
     }
   }
   return c;
@@ -99,7 +100,7 @@ void expect_same(const std::string& name, const Tracer& original, const Tracer& 
   EXPECT_GE(c.met, c.rays / 10);
   EXPECT_EQ(c.unexplained, 0u);
   EXPECT_LE(static_cast<double>(c.rays - c.equal), most_exceptions * count);
-  for (std::size_t i = 0; i < std::min<std::size_t>(3, c.told.size()); ++i) ADD_FAILURE() << name << " x " << factor << ": " << c.told[i];
+  c.told.fail(fmt::format("{} x {}", name, factor));
 }
 
 // Scaling by a transform leaves the part's own numbers alone: hardly a ray may differ.

@@ -93,6 +93,27 @@ TEST(SecondaryRays, NurbsSphereWithPolesHasNoAcneAndNoLeakFromMicrometresToKilom
   expect_no_acne_no_leak("NURBS sphere", one_face(sphere, natural_domain(AnySurface(sphere))));
 }
 
+// A lens all but flat: the radius is what rounds, not the face. Rays leave its convex side.
+TEST(SecondaryRays, LargeRadiiMakeNoAcneOnSmallFaces) {
+  for (const double R : {1e3, 1e5, 1e7}) {
+    const Frame frame{{-R, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const double a = 5 / R;
+    const Ellipse<Vec3> arc{{-R, 0, 0}, {R, 0, 0}, {0, R, 0}};
+    const std::pair<const char*, TraceScene> shapes[] = {
+        {"sphere", one_face(Sphere{frame, R}, {{0, -a}, {2 * a, a}})},
+        {"cylinder", one_face(Cylinder{frame, R}, {{0, -5}, {2 * a, 5}})},
+        {"extrusion of an arc", one_face(Extrusion{arc, {0, 0, 1}, {0, 2 * a}}, {{0, -5}, {2 * a, 5}})},
+    };
+    for (const auto& [name, shape] : shapes) {
+      std::mt19937_64 random(13);
+      const Tracer tracer(shape);
+      const Count outward = blocked(tracer, starts_on(tracer, random, 20000), random, 1);
+      EXPECT_GE(outward.rays, 20000u);
+      EXPECT_EQ(outward.hits, 0u) << name << " of radius " << R;
+    }
+  }
+}
+
 // A closed solid with trimmed faces that meet at edges: every ray into the material must leave it again.
 TEST(SecondaryRays, NothingLeaksOutOfATrimmedSolid) {
   const auto package = occt_data_dir();
