@@ -4,7 +4,7 @@
 
 #include <iterator>
 
-#include "patches/base/bspline_basis.h"
+#include "patches/base/check.h"
 
 namespace iso {
 
@@ -181,6 +181,7 @@ PartGeometry make_geometry(const Part& part) {
   std::vector<PartGeometry> faces(part.faces.size());
   tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t i) { faces[i] = geometry_of_face(part, static_cast<std::uint32_t>(i)); });
   for (PartGeometry& face : faces) append(geometry, std::move(face));
+  ISO_CHECK(geometry.powers.size() < LeafPatch::kNoPowers && geometry.leaves.size() <= 0x7fffffffu);  // what their indices hold
   for (const Box3& box : geometry.leaf_boxes) geometry.box.include(box);
   for (const AnalyticFace& face : geometry.analytic) geometry.box.include(face.box);
   geometry.size = geometry.box.diagonal();

@@ -16,19 +16,4 @@ struct LocalRay {
   double t_of(const Vec3& p) const { return glm::dot(p - o, d) * inverse_dd; }
 };
 
-inline LocalRay make_local_ray(const Vec3& o, const Vec3& d, double part_size) {
-  LocalRay r;
-  r.o = o;
-  r.d = d;
-  const double dd = glm::dot(d, d);
-  r.inverse_dd = 1 / dd;
-  const Vec3 unit = d / std::sqrt(dd);
-  r.n1 = any_perpendicular(unit);
-  r.n2 = glm::cross(unit, r.n1);
-  r.d1 = glm::dot(r.n1, o);
-  r.d2 = glm::dot(r.n2, o);
-  r.scale = part_size + std::abs(r.d1) + std::abs(r.d2);
-  return r;
-}
-
 }  // namespace iso
