@@ -1,0 +1,175 @@
+#include "tess/boundary.h"
+
+#include <array>
+#include <numeric>
+
+namespace iso {
+
+double parameter_at(const EdgeUse& use, double share) {
+  const double a = use.forward ? use.curve.t0 : use.curve.t1, b = use.forward ? use.curve.t1 : use.curve.t0;
+  return share == 1 ? b : a + share * (b - a);
+}
+
+UV uv_at(const EdgeUse& use, double share) { return jet(use.curve.curve, parameter_at(use, share)).C; }
+
+namespace {
+
+Point3 place(const Part& part, const EdgeUse& use, double share) {
+  return point(part.faces[static_cast<std::size_t>(use.face)].surface, uv_at(use, share));
+}
+
+// Sets of numbers that grow together.
+class Sets {
+ public:
+  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int root(int a) {
+    while (parent_[static_cast<std::size_t>(a)] != a)
+      a = parent_[static_cast<std::size_t>(a)] = parent_[static_cast<std::size_t>(parent_[static_cast<std::size_t>(a)])];
+    return a;
+  }
+  void join(int a, int b) {
+    a = root(a), b = root(b);
+    parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+TrimCurve side(const UV& from, const UV& to) {
+  TrimCurve curve;
+  curve.curve = Line<Vec2>{from, to - from};
+  return curve;
+}
+
+// Places at which two uses are compared.
+constexpr int kMatches = 16;
+
+// The largest distance between two uses at equal shares.
+double apart(const Part& part, const EdgeUse& a, const EdgeUse& b) {
+  double worst = 0;
+  for (int i = 0; i <= kMatches; ++i) {
+    const double s = static_cast<double>(i) / kMatches;
+    worst = std::max(worst, glm::length(place(part, a, s) - place(part, b, s)));
+  }
+  return worst;
+}
+
+// Gives a use the direction of the edge's first use, by native parameters if they agree, else by where it lies.
+void direct(const Part& part, const EdgeUse& first, EdgeUse& use, double gap) {
+  use.forward = (use.curve.t0 < use.curve.t1) == (first.curve.t0 < first.curve.t1) ? first.forward : !first.forward;
+  const double same = apart(part, first, use);
+  if (same <= gap) return;
+  use.forward = !use.forward;
+  const double turned = apart(part, first, use);
+  if (turned > same) use.forward = !use.forward;
+  use.shares_parameter = std::min(same, turned) <= gap;
+}
+
+// The four sides of a domain, counter-clockwise; opposite sides that coincide in space become one edge, collapsed ones are degenerate.
+void add_sides(const Part& part, int face_index, Boundary& boundary) {
+  const Face& face = part.faces[static_cast<std::size_t>(face_index)];
+  const Box2& d = face.domain;
+  const std::array<UV, 4> corner{d.lo, UV(d.hi.x, d.lo.y), d.hi, UV(d.lo.x, d.hi.y)};
+  std::vector<int> loop;
+  std::array<EdgeUse, 4> uses;
+  const double size = bounds(face.surface, d).diagonal(), tiny = 1e-12 * size;
+  for (int k = 0; k < 4; ++k) {
+    const std::size_t i = static_cast<std::size_t>(k);
+    uses[i].face = face_index;
+    uses[i].curve = side(corner[i], corner[(i + 1) % 4]);
+    uses[i].edge = -1;
+    if (k >= 2) {
+      EdgeUse turned = uses[i];
+      turned.forward = false;
+      if (apart(part, uses[i - 2], turned) <= tiny) {
+        uses[i].forward = false;
+        uses[i].edge = uses[i - 2].edge;
+      }
+    }
+    if (uses[i].edge < 0) {
+      double length = 0;
+      for (int j = 1; j <= kMatches; ++j)
+        length = std::max(length, glm::length(place(part, uses[i], static_cast<double>(j) / kMatches) - place(part, uses[i], 0)));
+      uses[i].edge = static_cast<int>(boundary.edges.size());
+      boundary.edges.push_back({{}, {}, -1, length <= tiny});
+    }
+    loop.push_back(static_cast<int>(boundary.uses.size()));
+    boundary.edges[static_cast<std::size_t>(uses[i].edge)].uses.push_back(loop.back());
+    boundary.uses.push_back(uses[i]);
+  }
+  boundary.loops.back().push_back(std::move(loop));
+}
+
+}  // namespace
+
+Boundary::Boundary(const Part& part) {
+  std::vector<int> of_part_edge(part.edges.size(), -1);
+  for (std::size_t f = 0; f < part.faces.size(); ++f) {
+    const Face& face = part.faces[f];
+    loops.emplace_back();
+    if (face.loops.empty()) add_sides(part, static_cast<int>(f), *this);
+    for (const TrimLoop& loop : face.loops) {
+      std::vector<int> indices;
+      for (const TrimCurve& curve : loop.curves) {
+        EdgeUse use{static_cast<int>(f), -1, curve, curve.t0 <= curve.t1, true};
+        int* known = curve.edge >= 0 ? &of_part_edge[static_cast<std::size_t>(curve.edge)] : nullptr;
+        if (known && *known >= 0) {
+          use.edge = *known;
+        } else {
+          use.edge = static_cast<int>(edges.size());
+          edges.push_back({{}, {}, curve.edge, known && part.edges[static_cast<std::size_t>(curve.edge)].degenerate});
+          if (known) *known = use.edge;
+        }
+        BoundaryEdge& edge = edges[static_cast<std::size_t>(use.edge)];
+        if (!edge.uses.empty()) {
+          const Edge& in_part = part.edges[static_cast<std::size_t>(curve.edge)];
+          direct(part, uses[static_cast<std::size_t>(edge.uses[0])], use,
+                 std::max(1.5 * std::max(in_part.gap, in_part.file_tolerance), 1e-9 * part.box.diagonal()));
+        }
+        indices.push_back(static_cast<int>(uses.size()));
+        edge.uses.push_back(indices.back());
+        uses.push_back(std::move(use));
+      }
+      loops.back().push_back(std::move(indices));
+    }
+  }
+
+  // Where a use ends the next of its loop begins: one vertex.
+  Sets ends(2 * edges.size());
+  for (const auto& of_face : loops)
+    for (const auto& loop : of_face)
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const EdgeUse& a = uses[static_cast<std::size_t>(loop[i])];
+        const EdgeUse& b = uses[static_cast<std::size_t>(loop[(i + 1) % loop.size()])];
+        ends.join(2 * a.edge + (a.forward ? 1 : 0), 2 * b.edge + (b.forward ? 0 : 1));
+      }
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (edges[e].degenerate) ends.join(static_cast<int>(2 * e), static_cast<int>(2 * e + 1));
+  std::vector<int> number(2 * edges.size(), -1);
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    for (int k = 0; k < 2; ++k) {
+      int& n = number[static_cast<std::size_t>(ends.root(static_cast<int>(2 * e) + k))];
+      if (n < 0) n = vertex_count++;
+      edges[e].vertex[static_cast<std::size_t>(k)] = n;
+    }
+}
+
+double nearest_share(const Face& face, const EdgeUse& use, const Point3& p, double near, double within) {
+  const double lo = std::max(0.0, near - within), hi = std::min(1.0, near + within);
+  const auto distance = [&](double s) { return glm::length(point(face.surface, uv_at(use, s)) - p); };
+  constexpr int kSteps = 16, kHalvings = 30;
+  double best = near, least = distance(near);
+  for (int i = 0; i <= kSteps; ++i) {
+    const double s = lo + (hi - lo) * i / kSteps, d = distance(s);
+    if (d < least) best = s, least = d;
+  }
+  double step = 0.5 * (hi - lo) / kSteps;
+  for (int i = 0; i < kHalvings; ++i, step *= 0.5)
+    for (const double s : {best - step, best + step})
+      if (s >= lo && s <= hi)
+        if (const double d = distance(s); d < least) best = s, least = d;
+  return best;
+}
+
+}  // namespace iso

@@ -1,0 +1,46 @@
+// The boundaries of a part's faces as the tessellator walks them: every face has loops of uses, every use runs along an edge, every edge
+// runs between two vertices. Faces without loops get the sides of their domain as edges of their own; sides that meet (seams) are one edge.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "patches/brep.h"
+
+namespace iso {
+
+// An edge as one face sees it. A place on the edge is its share s in [0, 1] from its first end to its second.
+struct EdgeUse {
+  int face = 0;
+  int edge = 0;  // of Boundary
+  TrimCurve curve;
+  bool forward = true;           // the loop runs from the first end to the second
+  bool shares_parameter = true;  // share and parameter run alike for all uses; else places are matched by distance
+};
+
+struct BoundaryEdge {
+  std::vector<int> uses;        // of Boundary
+  std::array<int, 2> vertex{};  // of its ends; equal on closed edges
+  int part_edge = -1;           // index into Part::edges, -1 for sides of a domain and pieces without an edge
+  bool degenerate = false;      // a point in space
+};
+
+struct Boundary {
+  std::vector<EdgeUse> uses;
+  std::vector<BoundaryEdge> edges;
+  int vertex_count = 0;
+  std::vector<std::vector<std::vector<int>>> loops;  // uses of each loop of each face, end to end
+
+  explicit Boundary(const Part& part);
+};
+
+// The parameter of the use's curve at a share of its range, in the edge's direction.
+double parameter_at(const EdgeUse& use, double share);
+
+// The place in (u, v) at that share.
+UV uv_at(const EdgeUse& use, double share);
+
+// The share on `other` of the point nearest to p; starts near the share `near`, and stays within `within` of it.
+double nearest_share(const Face& face, const EdgeUse& use, const Point3& p, double near, double within);
+
+}  // namespace iso

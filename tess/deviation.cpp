@@ -1,0 +1,237 @@
+#include "tess/deviation.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace iso {
+
+namespace {
+
+constexpr double kBinRatio = 1.01;
+constexpr int kBins = 6000;  // from 1e-22 to 1e4 of any unit: below and above count in the first and the last
+
+double bin_log(double distance) { return std::log(distance) / std::log(kBinRatio); }
+constexpr double kFirstBin = -5100;  // log of 1e-22 in bins
+
+// The triangles around every point of the mesh.
+class Around {
+ public:
+  explicit Around(const PartMesh& mesh) : first_(mesh.points.size() + 1, 0), triangles_(3 * mesh.triangles.size()) {
+    for (const Triangle& t : mesh.triangles)
+      for (std::uint32_t n : t) ++first_[mesh.nodes[n].point + 1];
+    for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
+      for (std::uint32_t n : mesh.triangles[i]) triangles_[next[mesh.nodes[n].point]++] = i;
+  }
+  std::pair<const std::uint32_t*, const std::uint32_t*> of(std::uint32_t point) const {
+    return {triangles_.data() + first_[point], triangles_.data() + first_[point + 1]};
+  }
+
+ private:
+  std::vector<std::uint32_t> first_, triangles_;
+};
+
+// The point of a triangle nearest to p, as barycentric coordinates.  [Ericson 2005, 5.1.5]
+Vec3 nearest_in_triangle(const Point3& p, const Point3& a, const Point3& b, const Point3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  const Vec3 bp = p - b;
+  const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    const double v = d1 / (d1 - d3);
+    return {1 - v, v, 0};
+  }
+  const Vec3 cp = p - c;
+  const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    const double w = d2 / (d2 - d6);
+    return {1 - w, 0, w};
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - w, w};
+  }
+  const double inverse = 1 / (va + vb + vc);
+  return {1 - (vb + vc) * inverse, vb * inverse, vc * inverse};
+}
+
+// Distance of p from the mesh, found by walking downhill from a triangle over its neighbours.
+double distance_to_mesh(const PartMesh& mesh, const Around& around, const Point3& p, std::uint32_t triangle) {
+  const auto to = [&](std::uint32_t i, Vec3& l) {
+    const Triangle& t = mesh.triangles[i];
+    const Point3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
+    l = nearest_in_triangle(p, a, b, c);
+    return glm::length(l.x * a + l.y * b + l.z * c - p);
+  };
+  Vec3 l;
+  double least = to(triangle, l);
+  constexpr int kMostSteps = 16;
+  for (int step = 0; step < kMostSteps; ++step) {
+    if (l.x > 0 && l.y > 0 && l.z > 0) break;  // inside: nothing beside is nearer
+    std::uint32_t best = triangle;
+    Vec3 best_l = l;
+    const Triangle t = mesh.triangles[triangle];
+    for (int k = 0; k < 3; ++k) {
+      if (l[k] == 0) continue;  // the nearest point does not touch this corner
+      const auto [begin, end] = around.of(mesh.nodes[t[static_cast<std::size_t>(k)]].point);
+      for (const std::uint32_t* it = begin; it != end; ++it) {
+        Vec3 other;
+        if (const double d = to(*it, other); d < least) least = d, best = *it, best_l = other;
+      }
+    }
+    if (best == triangle) break;
+    triangle = best;
+    l = best_l;
+  }
+  return least;
+}
+
+// Distance of x from the surface near (u, v), by Gauss-Newton steps that are taken only downhill.
+double distance_to_surface(const AnySurface& surface, const Point3& x, UV uv) {
+  Jet2 at = jet2(surface, uv);
+  double least = glm::length(at.S - x);
+  constexpr int kSteps = 4;
+  for (int i = 0; i < kSteps; ++i) {
+    const Vec3 r = x - at.S;
+    const double E = glm::dot(at.Su, at.Su), F = glm::dot(at.Su, at.Sv), G = glm::dot(at.Sv, at.Sv), det = E * G - F * F;
+    if (!(det > 1e-12 * E * G)) break;
+    const double bu = glm::dot(at.Su, r), bv = glm::dot(at.Sv, r);
+    const UV next = uv + UV((G * bu - F * bv) / det, (E * bv - F * bu) / det);
+    const Jet2 moved = jet2(surface, next);
+    const double d = glm::length(moved.S - x);
+    if (!(d < least)) break;
+    const bool done = d > 0.999 * least;
+    least = d;
+    at = moved;
+    uv = next;
+    if (done) break;
+  }
+  return least;
+}
+
+const std::vector<Vec3>& samples_of(Sampling sampling) {
+  static const std::vector<Vec3> quick{{1 / 3.0, 1 / 3.0, 1 / 3.0}, {0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.5, 0, 0.5}};
+  static const std::vector<Vec3> fine = [] {
+    std::vector<Vec3> all = quick;
+    constexpr int kParts = 6;
+    for (int i = 0; i <= kParts; ++i)
+      for (int j = 0; i + j <= kParts; ++j)
+        if (i < kParts && j < kParts && i + j > 0) all.push_back(Vec3(i, j, kParts - i - j) / double(kParts));
+    return all;
+  }();
+  return sampling == Sampling::quick ? quick : fine;
+}
+
+class FaceMeter {
+ public:
+  FaceMeter(const Part& part, const PartMesh& mesh, const Around& around, std::size_t face)
+      : face_(part.faces[face]), mesh_(mesh), around_(around) {}
+
+  FaceDeviation measured(std::uint32_t begin, std::uint32_t end, Sampling sampling) {
+    double angles = 0;
+    std::uint64_t count = 0;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const Triangle& t = mesh_.triangles[i];
+      const Vec3 cross = glm::cross(mesh_.corner(t, 1) - mesh_.corner(t, 0), mesh_.corner(t, 2) - mesh_.corner(t, 0));
+      for (const Vec3& l : samples_of(sampling)) {
+        const UV uv = l.x * mesh_.nodes[t[0]].uv + l.y * mesh_.nodes[t[1]].uv + l.z * mesh_.nodes[t[2]].uv;
+        const Point3 x = l.x * mesh_.corner(t, 0) + l.y * mesh_.corner(t, 1) + l.z * mesh_.corner(t, 2);
+        const Jet2 at = jet2(face_.surface, uv);
+        take(result_.to_surface, distance_to_surface(face_.surface, x, uv), uv, x);
+        take(result_.to_mesh, distance_to_mesh(mesh_, around_, at.S, i), uv, at.S);
+        const Vec3 n = glm::cross(at.Su, at.Sv) * (face_.reversed ? -1.0 : 1.0);
+        if (glm::length(n) == 0) continue;
+        const double angle = std::atan2(glm::length(glm::cross(n, cross)), glm::dot(n, cross));
+        result_.worst_angle = std::max(result_.worst_angle, angle);
+        angles += angle;
+        ++count;
+      }
+    }
+    result_.mean_angle = count ? angles / static_cast<double>(count) : 0;
+    return std::move(result_);
+  }
+
+ private:
+  void take(DistanceCounts& counts, double distance, const UV& uv, const Point3& place) {
+    counts.add(distance);
+    if (distance <= result_.worst) return;
+    result_.worst = distance;
+    result_.worst_uv = uv;
+    result_.worst_place = place;
+  }
+
+  const Face& face_;
+  const PartMesh& mesh_;
+  const Around& around_;
+  FaceDeviation result_;
+};
+
+}  // namespace
+
+void DistanceCounts::add(double distance) {
+  if (bins_.empty()) bins_.assign(kBins, 0);
+  const double bin = distance > 0 ? std::clamp(bin_log(distance) - kFirstBin, 0.0, kBins - 1.0) : 0.0;
+  ++bins_[static_cast<std::size_t>(bin)];
+  ++count_;
+  max_ = std::max(max_, distance);
+  sum_ += distance;
+  sum2_ += distance * distance;
+}
+
+void DistanceCounts::add(const DistanceCounts& other) {
+  if (other.bins_.empty()) return;
+  if (bins_.empty()) bins_.assign(kBins, 0);
+  for (std::size_t i = 0; i < bins_.size(); ++i) bins_[i] += other.bins_[i];
+  count_ += other.count_;
+  max_ = std::max(max_, other.max_);
+  sum_ += other.sum_;
+  sum2_ += other.sum2_;
+}
+
+double DistanceCounts::rms() const { return count_ ? std::sqrt(sum2_ / static_cast<double>(count_)) : 0.0; }
+
+double DistanceCounts::percentile(double share) const {
+  std::uint64_t below = 0;
+  const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count_)));
+  for (std::size_t i = 0; i < bins_.size(); ++i) {
+    below += bins_[i];
+    if (below >= wanted && wanted > 0) return i == 0 ? 0.0 : std::min(max_, std::pow(kBinRatio, static_cast<double>(i) + 1 + kFirstBin));
+  }
+  return max_;
+}
+
+Deviation measure(const Part& part, const PartMesh& mesh, Sampling sampling) {
+  const Around around(mesh);
+  Deviation result;
+  result.faces.resize(part.faces.size());
+  tbb::parallel_for(std::size_t{0}, part.faces.size(), [&](std::size_t f) {
+    result.faces[f] = FaceMeter(part, mesh, around, f).measured(mesh.first_triangle[f], mesh.first_triangle[f + 1], sampling);
+  });
+  double angles = 0, count = 0;
+  for (std::size_t f = 0; f < result.faces.size(); ++f) {
+    const FaceDeviation& face = result.faces[f];
+    result.all.to_surface.add(face.to_surface);
+    result.all.to_mesh.add(face.to_mesh);
+    result.all.worst_angle = std::max(result.all.worst_angle, face.worst_angle);
+    angles += face.mean_angle * static_cast<double>(face.to_mesh.count());
+    count += static_cast<double>(face.to_mesh.count());
+    if (face.worst <= result.all.worst) continue;
+    result.all.worst = face.worst;
+    result.all.worst_uv = face.worst_uv;
+    result.all.worst_place = face.worst_place;
+    result.worst_face = static_cast<int>(f);
+  }
+  result.all.mean_angle = count > 0 ? angles / count : 0;
+  return result;
+}
+
+}  // namespace iso

@@ -1,0 +1,278 @@
+#include "tess/edge_net.h"
+
+#include "patches/curve/curve.h"
+
+namespace iso {
+
+namespace {
+
+// A segment is not split below this share of its edge.
+constexpr double kLeastShare = 1e-7;
+
+// Pieces into which a segment is cut to bound its distance from the curve.
+constexpr int kPieces = 4;
+
+// How many segments are tried at once where the error's square law is trusted.
+constexpr double kTrustedRatio = 16;
+
+double distance_to_segment(const Point3& p, const Point3& a, const Point3& b) {
+  const Vec3 ab = b - a;
+  const double length2 = glm::dot(ab, ab);
+  const double s = length2 > 0 ? std::clamp(glm::dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
+  return glm::length(p - a - s * ab);
+}
+
+// How far, at most, the curve strays from the line between its ends, as a displacement (|du|, |dv|) measured by `speed`: the control points
+// of its Bezier spans bound it.
+double sliver_of(const Curve2& curve, double t0, double t1, const UV& a, const UV& b, const Vec2& speed) {
+  if (std::holds_alternative<Line<Vec2>>(curve) || t0 == t1) return 0;
+  const Vec2 line = (b - a) * speed;
+  const double length2 = glm::dot(line, line);
+  double worst = 0;
+  for (const auto& span : bezier_spans(curve, std::min(t0, t1), std::max(t0, t1)))
+    for (const Vec3& h : span.points) {
+      const Vec2 p = (project(h) - a) * speed;
+      const double s = length2 > 0 ? std::clamp(glm::dot(p, line) / length2, 0.0, 1.0) : 0.0;
+      const Vec2 off = p - s * line;
+      worst = std::max(worst, std::abs(off.x) + std::abs(off.y));
+    }
+  return worst;
+}
+
+// Parameters inside (lo, hi) at which a NURBS has a knot of full multiplicity.
+void add_kinks(const NurbsCurve<Vec2>& curve, std::vector<double>& at) {
+  const auto& k = curve.knots;
+  for (std::size_t i = 0; i + static_cast<std::size_t>(curve.degree) <= k.size();) {
+    std::size_t j = i;
+    while (j < k.size() && k[j] == k[i]) ++j;
+    if (j - i >= static_cast<std::size_t>(curve.degree)) at.push_back(k[i]);
+    i = j;
+  }
+}
+
+}  // namespace
+
+EdgeNet::EdgeNet(const Part& part, const Boundary& boundary, const std::vector<FaceShape>& shapes, const EdgePolicy& policy)
+    : part_(&part), boundary_(&boundary), shapes_(&shapes), policy_(policy) {
+  place_.resize(boundary.uses.size());
+  for (const BoundaryEdge& edge : boundary.edges)
+    for (std::size_t i = 0; i < edge.uses.size(); ++i) place_[static_cast<std::size_t>(edge.uses[i])] = static_cast<int>(i);
+
+  // Vertices come first: the middle of all ends that meet there.
+  points_.assign(static_cast<std::size_t>(boundary.vertex_count), Point3(0.0));
+  std::vector<int> ends(points_.size(), 0);
+  for (std::size_t u = 0; u < boundary.uses.size(); ++u) {
+    const EdgeUse& use = boundary.uses[u];
+    for (int k = 0; k < 2; ++k) {
+      const auto v = static_cast<std::size_t>(boundary.edges[static_cast<std::size_t>(use.edge)].vertex[static_cast<std::size_t>(k)]);
+      points_[v] += place(static_cast<int>(u), uv_at(use, k));
+      ++ends[v];
+    }
+  }
+  for (std::size_t v = 0; v < points_.size(); ++v) points_[v] /= std::max(1, ends[v]);
+
+  edges_.resize(boundary.edges.size());
+  for (std::size_t e = 0; e < boundary.edges.size(); ++e) preferred_.push_back(preferred_splits(static_cast<int>(e)));
+  for (std::size_t e = 0; e < boundary.edges.size(); ++e) sample(static_cast<int>(e));
+}
+
+Point3 EdgeNet::place(int use, const UV& uv) const {
+  return point(part_->faces[static_cast<std::size_t>(boundary_->uses[static_cast<std::size_t>(use)].face)].surface, uv);
+}
+
+UV EdgeNet::uv_on(int use, double share) const {
+  const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
+  if (u.shares_parameter || share == 0 || share == 1) return uv_at(u, share);
+  // Matched to the edge's first use by distance; it may run ahead or behind by a good part of the edge.
+  constexpr double kWithin = 0.25;
+  const int first = boundary_->edges[static_cast<std::size_t>(u.edge)].uses[0];
+  const Point3 p = place(first, uv_on(first, share));
+  return uv_at(u, nearest_share(part_->faces[static_cast<std::size_t>(u.face)], u, p, share, kWithin));
+}
+
+std::vector<double> EdgeNet::preferred_splits(int e) const {
+  std::vector<double> shares;
+  for (int use : boundary_->edges[static_cast<std::size_t>(e)].uses) {
+    const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
+    const double a = parameter_at(u, 0), b = parameter_at(u, 1);
+    if (!u.shares_parameter || a == b) continue;
+    if (const auto* nurbs = std::get_if<NurbsCurve<Vec2>>(&u.curve.curve)) {
+      std::vector<double> kinks;
+      add_kinks(*nurbs, kinks);
+      for (double t : kinks)
+        if (const double s = (t - a) / (b - a); s > kLeastShare && s < 1 - kLeastShare) shares.push_back(s);
+    }
+    // Crossings of the surface's creases.
+    const BendTree& bend = (*shapes_)[static_cast<std::size_t>(u.face)].bend();
+    constexpr int kScan = 64;
+    for (int axis = 0; axis < 2; ++axis)
+      for (double crease : axis == 0 ? bend.creases_u() : bend.creases_v())
+        for (int i = 0; i < kScan; ++i) {
+          double lo = static_cast<double>(i) / kScan, hi = static_cast<double>(i + 1) / kScan;
+          const double at_lo = uv_at(u, lo)[axis] - crease, at_hi = uv_at(u, hi)[axis] - crease;
+          if (!(at_lo * at_hi < 0)) continue;
+          for (int k = 0; k < 60; ++k) {
+            const double middle = 0.5 * (lo + hi);
+            (((uv_at(u, middle)[axis] - crease) * at_lo > 0) ? lo : hi) = middle;
+          }
+          shares.push_back(0.5 * (lo + hi));
+        }
+  }
+  std::sort(shares.begin(), shares.end());
+  std::vector<double> kept;
+  for (double s : shares)
+    if (kept.empty() || s - kept.back() > kLeastShare) kept.push_back(s);
+  return kept;
+}
+
+SegmentError EdgeNet::error_of(int use, double a, double b) const {
+  const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
+  const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
+  const UV uva = uv_on(use, a), uvb = uv_on(use, b);
+  const Point3 A = place(use, uva), B = place(use, uvb);
+  const auto parameter = [&](const UV& uv, double share) {
+    (void)uv;
+    return parameter_at(u, share);
+  };
+  SegmentError error;
+  Box2 box;
+  box.include(uva);
+  box.include(uvb);
+  error.sliver = sliver_of(u.curve.curve, parameter(uva, a), parameter(uvb, b), uva, uvb, shape.speed(box));
+  error.surface = shape.segment_bound({uva, A}, {uvb, B});
+  // The curve is compared with the chord at some places; between them it strays from its own short chords by little.
+  SurfaceCorner from{uva, A};
+  for (int i = 1; i <= kPieces; ++i) {
+    const double s0 = a + (b - a) * (i - 1) / kPieces, s1 = i == kPieces ? b : a + (b - a) * i / kPieces;
+    SurfaceCorner to;
+    to.uv = i == kPieces ? uvb : uv_on(use, s1);
+    to.S = i == kPieces ? B : place(use, to.uv);
+    Box2 piece;
+    piece.include(from.uv);
+    piece.include(to.uv);
+    const Vec2 d = to.uv - from.uv;
+    const Bend bend = shape.bend().over(piece);
+    const auto times = [](double m, double by) { return by == 0 ? 0.0 : m * by; };
+    const double curve = sliver_of(u.curve.curve, parameter_at(u, s0), parameter_at(u, s1), from.uv, to.uv, shape.speed(piece)) +
+                         (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, std::abs(d.x * d.y)) + times(bend.Mvv, d.y * d.y)) / 8;
+    error.chord = std::max(error.chord, std::max(distance_to_segment(from.S, A, B), distance_to_segment(to.S, A, B)) + curve);
+    from = to;
+  }
+  return error;
+}
+
+bool EdgeNet::turns_too_far(int use, double a, double b) const {
+  if (!(policy_.turn < kPi)) return false;
+  const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
+  const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
+  const auto tangent = [&](double s) {
+    const auto c = jet(u.curve.curve, parameter_at(u, s));
+    const Jet2 at = jet2(shape.face().surface, c.C);
+    return at.Su * c.Ct.x + at.Sv * c.Ct.y;
+  };
+  const auto angle = [](const Vec3& x, const Vec3& y) { return std::atan2(glm::length(glm::cross(x, y)), glm::dot(x, y)); };
+  if (angle(shape.place(uv_on(use, a)).normal, shape.place(uv_on(use, b)).normal) > policy_.turn) return true;
+  return u.shares_parameter && angle(tangent(a), tangent(b)) > policy_.turn;
+}
+
+// The largest error of a segment as a multiple of what is allowed.
+double EdgeNet::excess(int e, double a, double b) const {
+  double worst = 0;
+  for (int use : boundary_->edges[static_cast<std::size_t>(e)].uses) {
+    const SegmentError error = error_of(use, a, b);
+    worst = std::max({worst, error.chord / policy_.chord, (error.sliver + error.surface) / policy_.surface});
+    if (worst <= 1 && turns_too_far(use, a, b)) worst = 2;
+  }
+  return worst;
+}
+
+double EdgeNet::split_at(int e, double a, double b) const {
+  const double middle = 0.5 * (a + b);
+  double best = middle, least = kInf;
+  for (double s : preferred_[static_cast<std::size_t>(e)])
+    if (s > a + kLeastShare && s < b - kLeastShare && std::abs(s - middle) < least) least = std::abs(s - middle), best = s;
+  return best;
+}
+
+void EdgeNet::sample(int e) {
+  const BoundaryEdge& edge = boundary_->edges[static_cast<std::size_t>(e)];
+  std::vector<double> shares{0.0};
+  std::vector<double> stack{1.0};  // ends of segments still to do, the nearest on top
+  // A closed edge must not collapse to a point or to a segment run through twice.
+  if (!edge.degenerate && edge.vertex[0] == edge.vertex[1]) stack = {1.0, 2.0 / 3, 1.0 / 3};
+  while (!stack.empty()) {
+    const double a = shares.back(), b = stack.back();
+    const double over = edge.degenerate ? 0.0 : excess(e, a, b);
+    if (over <= 1 || b - a < kLeastShare) {
+      unresolved_ += over > 1;
+      shares.push_back(b);
+      stack.pop_back();
+      continue;
+    }
+    const double at = split_at(e, a, b);
+    const int parts = over < kTrustedRatio && at == 0.5 * (a + b) ? static_cast<int>(std::ceil(std::sqrt(over))) : 2;
+    if (parts == 2) {
+      stack.push_back(at);
+    } else {
+      for (int k = parts - 1; k >= 1; --k) stack.push_back(a + (b - a) * k / parts);
+    }
+  }
+  put_samples(e, std::move(shares));
+}
+
+void EdgeNet::put_samples(int e, std::vector<double> shares) {
+  const BoundaryEdge& edge = boundary_->edges[static_cast<std::size_t>(e)];
+  SampledEdge& sampled = edges_[static_cast<std::size_t>(e)];
+  sampled.share = std::move(shares);
+  sampled.uv.assign(edge.uses.size(), {});
+  sampled.sliver.assign(edge.uses.size(), {});
+  for (std::size_t k = 0; k < edge.uses.size(); ++k) {
+    for (double s : sampled.share) sampled.uv[k].push_back(uv_on(edge.uses[k], s));
+    for (std::size_t i = 0; i + 1 < sampled.share.size(); ++i)
+      sampled.sliver[k].push_back(
+          static_cast<float>(edge.degenerate ? 0 : error_of(edge.uses[k], sampled.share[i], sampled.share[i + 1]).sliver));
+  }
+  sampled.point.assign(sampled.share.size(), 0);
+  sampled.point.front() = static_cast<std::uint32_t>(edge.vertex[0]);
+  sampled.point.back() = static_cast<std::uint32_t>(edge.vertex[1]);
+  for (std::size_t i = 1; i + 1 < sampled.share.size(); ++i) {
+    if (edge.degenerate) {
+      sampled.point[i] = sampled.point.front();
+      continue;
+    }
+    Point3 middle(0.0);
+    for (std::size_t k = 0; k < edge.uses.size(); ++k) middle += place(edge.uses[k], sampled.uv[k][i]);
+    sampled.point[i] = static_cast<std::uint32_t>(points_.size());
+    points_.push_back(middle / static_cast<double>(edge.uses.size()));
+  }
+}
+
+bool EdgeNet::split(int e, std::size_t segment) {
+  const BoundaryEdge& edge = boundary_->edges[static_cast<std::size_t>(e)];
+  SampledEdge& sampled = edges_[static_cast<std::size_t>(e)];
+  const double a = sampled.share[segment], b = sampled.share[segment + 1];
+  if (b - a < kLeastShare) return false;
+  const double at = split_at(e, a, b);
+  Point3 middle(0.0);
+  const auto where = static_cast<std::ptrdiff_t>(segment) + 1;
+  sampled.share.insert(sampled.share.begin() + where, at);
+  for (std::size_t k = 0; k < edge.uses.size(); ++k) {
+    const UV uv = uv_on(edge.uses[k], at);
+    middle += place(edge.uses[k], uv);
+    sampled.uv[k].insert(sampled.uv[k].begin() + where, uv);
+    const auto sliver = [&](double from, double to) {
+      return static_cast<float>(edge.degenerate ? 0 : error_of(edge.uses[k], from, to).sliver);
+    };
+    sampled.sliver[k][segment] = sliver(a, at);
+    sampled.sliver[k].insert(sampled.sliver[k].begin() + where, sliver(at, b));
+  }
+  std::uint32_t point = sampled.point[segment];
+  if (!edge.degenerate) {
+    point = static_cast<std::uint32_t>(points_.size());
+    points_.push_back(middle / static_cast<double>(edge.uses.size()));
+  }
+  sampled.point.insert(sampled.point.begin() + where, point);
+  return true;
+}
+
+}  // namespace iso

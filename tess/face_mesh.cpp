@@ -1,0 +1,333 @@
+#include "tess/face_mesh.h"
+
+#include <algorithm>
+#include <optional>
+#include <unordered_map>
+
+#include "tess/sample_grid.h"
+#include "tess/triangulation.h"
+
+namespace iso {
+
+namespace {
+
+// Segments of the border by their two vertices in the triangulation.
+struct BorderSegment {
+  EdgeSegment at;
+  float sliver = 0;
+  bool degenerate = false;
+};
+std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b); }
+
+// A triangle of which a side is longer than this many cells of the sampling grid takes another point without a look at its bound.
+constexpr double kManyCells = 2.0;
+
+// Triangles smaller than this share of the tolerance are not divided further.
+constexpr double kLeastSize = 0.05;
+
+class FaceMesher {
+ public:
+  FaceMesher(const FaceShape& shape, const Boundary& boundary, const EdgeNet& net, const FacePolicy& policy)
+      : shape_(shape), boundary_(boundary), net_(net), policy_(policy) {}
+
+  FaceMesh mesh(const std::vector<std::vector<int>>& loops, const std::vector<UV>& extra) {
+    collect_border(loops);
+    if (mesh_.nodes.size() < 3) return std::move(mesh_);
+    const SampleGrids grids = sample_grids(shape_, domain_, kGridShare * policy_.distance);
+    scale_ = grids.scale;
+    make_triangulation();
+    if (!mesh_.to_split.empty()) return std::move(mesh_);
+    triangulation_->mark_inside();
+    for (const UV& uv : extra) add_inner(uv, true);
+    for (const SampleGrid& grid : grids.grids) add_grid(grid);
+    refine();
+    if (!mesh_.to_split.empty()) return std::move(mesh_);
+    collect_triangles();
+    return std::move(mesh_);
+  }
+
+ private:
+  using Corners = Triangulation::Triangle;
+
+  // Interior triangles are meant to use the whole tolerance; the grid leaves a little for what the triangulation makes of it.
+  static constexpr double kGridShare = 0.95;
+
+  // ---- border ----
+
+  void collect_border(const std::vector<std::vector<int>>& loops) {
+    for (const auto& loop : loops) {
+      const std::size_t first = mesh_.nodes.size();
+      for (int u : loop) {
+        const EdgeUse& use = boundary_.uses[static_cast<std::size_t>(u)];
+        const auto& edge = net_.edge(use.edge);
+        const auto k = static_cast<std::size_t>(net_.place_of(u));
+        const bool degenerate = boundary_.edges[static_cast<std::size_t>(use.edge)].degenerate;
+        const std::size_t n = edge.share.size();
+        for (std::size_t i = 0; i + 1 < n; ++i) {  // each use brings all its samples but its last
+          const std::size_t at = use.forward ? i : n - 1 - i, segment = use.forward ? i : n - 2 - i;
+          add_border_node(edge.point[at], edge.uv[k][at]);
+          segments_.push_back({{use.edge, static_cast<std::uint32_t>(segment)}, edge.sliver[k][segment], degenerate});
+        }
+      }
+      loop_ends_.push_back({first, mesh_.nodes.size()});
+    }
+    mesh_.border = mesh_.nodes.size();
+  }
+
+  void add_border_node(std::uint32_t point, const UV& uv) {
+    const FaceShape::Placed at = shape_.place(uv);
+    mesh_.nodes.push_back({point, uv, at.normal});
+    surface_points_.push_back(at.S);
+    mesh_.offset = std::max(mesh_.offset, glm::length(at.S - net_.points()[point]));
+    domain_.include(uv);
+  }
+
+  void make_triangulation() {
+    Box2 box{domain_.lo * scale_, domain_.hi * scale_};
+    triangulation_.emplace(box);
+    std::uint32_t near = Triangulation::kNone;
+    std::vector<std::uint32_t> vertex_of(mesh_.border);
+    for (std::size_t i = 0; i < mesh_.border; ++i) {
+      near = triangulation_->insert(mesh_.nodes[i].uv * scale_, near);
+      vertex_of[i] = near;
+      set_node(near, static_cast<std::uint32_t>(i));
+    }
+    for (const auto& [first, last] : loop_ends_)
+      for (std::size_t i = first; i < last; ++i) constrain(vertex_of[i], vertex_of[i + 1 < last ? i + 1 : first], segments_[i]);
+    if (mesh_.to_split.empty()) check_sides();
+  }
+
+  void constrain(std::uint32_t a, std::uint32_t b, const BorderSegment& segment) {
+    if (a == b) return;
+    if (const auto hit = triangulation_->constrain(a, b)) {
+      mesh_.to_split.push_back(segment.at);
+      if (const auto other = border_.find(key_of((*hit)[0], (*hit)[1])); other != border_.end()) mesh_.to_split.push_back(other->second.at);
+      return;
+    }
+    border_[key_of(a, b)] = segment;
+  }
+
+  // A segment that runs through another vertex is no side of a triangle.
+  void check_sides() {
+    std::size_t found = 0;
+    std::vector<std::uint64_t> sides;
+    for (const auto& t : triangulation_->triangles())
+      for (int k = 0; k < 3; ++k)
+        if (t.constrained >> k & 1)
+          sides.push_back(key_of(t.v[static_cast<std::size_t>((k + 1) % 3)], t.v[static_cast<std::size_t>((k + 2) % 3)]));
+    std::sort(sides.begin(), sides.end());
+    for (const auto& [key, segment] : border_)
+      if (std::binary_search(sides.begin(), sides.end(), key))
+        ++found;
+      else
+        mesh_.to_split.push_back(segment.at);
+  }
+
+  // ---- points inside ----
+
+  void set_node(std::uint32_t vertex, std::uint32_t node) {
+    if (vertex >= node_of_.size()) node_of_.resize(vertex + 1, Triangulation::kNone);
+    if (node_of_[vertex] == Triangulation::kNone) node_of_[vertex] = node;
+  }
+
+  std::uint32_t add_inner(const UV& uv, bool check_inside) {
+    const Vec2 p = uv * scale_;
+    if (check_inside && !inside_at(p)) return Triangulation::kNone;
+    const std::uint32_t vertex = triangulation_->insert(p, near_);
+    near_ = vertex;
+    if (vertex < node_of_.size() && node_of_[vertex] != Triangulation::kNone) return vertex;  // there was a node already
+    const FaceShape::Placed at = shape_.place(uv);
+    set_node(vertex, static_cast<std::uint32_t>(mesh_.nodes.size()));
+    mesh_.nodes.push_back({static_cast<std::uint32_t>(mesh_.inner.size()), uv, at.normal});
+    mesh_.inner.push_back(at.S);
+    surface_points_.push_back(at.S);
+    return vertex;
+  }
+
+  // Whether p lies inside the loops, and neither on them nor at a vertex.
+  bool inside_at(const Vec2& p) {
+    const Triangulation::Location at = triangulation_->locate(p, near_);
+    if (at.place == Triangulation::Place::Outside) return false;
+    located_ = at.triangle;
+    const Corners& t = triangulation_->triangles()[at.triangle];
+    if (at.place == Triangulation::Place::Vertex) return false;
+    if (at.place == Triangulation::Place::Edge && (t.constrained >> at.k & 1)) return false;
+    return t.inside;
+  }
+
+  // Whether the triangle found last is in need of a point: large, or beyond the tolerance.
+  bool wants_point(std::uint32_t triangle) const {
+    const auto& t = triangulation_->triangles()[triangle];
+    const auto points = triangulation_->points();
+    for (int k = 0; k < 3; ++k) {
+      const Vec2 d = points[t.v[static_cast<std::size_t>(k)]] - points[t.v[static_cast<std::size_t>((k + 1) % 3)]];
+      if (glm::dot(d, d) > kManyCells * kManyCells) return true;
+    }
+    return excess_of(t) > 0;
+  }
+
+  // The corners of the grid's cells; of its border those on the low sides, unless that is the border of the face's box.
+  void add_grid(const SampleGrid& grid) {
+    const Vec2 size = grid.box.size();
+    for (int i = 0; i < grid.columns; ++i) {
+      const double u = grid.box.lo.x + size.x * i / grid.columns;
+      if (!(u > domain_.lo.x)) continue;
+      for (int j = 0; j < grid.rows; ++j) {
+        const int row = i % 2 ? grid.rows - 1 - j : j;
+        const double v = grid.box.lo.y + size.y * row / grid.rows;
+        if (!(v > domain_.lo.y)) continue;
+        if (inside_at(UV(u, v) * scale_) && wants_point(located_)) add_inner({u, v}, false);
+        near_ = triangulation_->triangles()[located_].v[0];
+      }
+    }
+  }
+
+  // ---- refinement ----
+
+  const MeshNode& node(std::uint32_t vertex) const { return mesh_.nodes[node_of_[vertex]]; }
+  SurfaceCorner corner(std::uint32_t vertex) const { return {node(vertex).uv, surface_points_[node_of_[vertex]]}; }
+  Point3 placed(std::uint32_t vertex) const {
+    const std::uint32_t n = node_of_[vertex];
+    return n < mesh_.border ? net_.points()[mesh_.nodes[n].point] : mesh_.inner[mesh_.nodes[n].point];
+  }
+  bool same_point(std::uint32_t a, std::uint32_t b) const {
+    const std::uint32_t na = node_of_[a], nb = node_of_[b];
+    return na < mesh_.border && nb < mesh_.border && mesh_.nodes[na].point == mesh_.nodes[nb].point;
+  }
+
+  double sliver_of(const Corners& t) const {
+    double sliver = 0;
+    for (int k = 0; k < 3; ++k)
+      if (t.constrained >> k & 1)
+        if (const auto at = border_.find(key_of(t.v[static_cast<std::size_t>((k + 1) % 3)], t.v[static_cast<std::size_t>((k + 2) % 3)]));
+            at != border_.end())
+          sliver = std::max(sliver, static_cast<double>(at->second.sliver));
+    return sliver;
+  }
+
+  double bound_of(const Corners& t) const { return shape_.triangle_bound(corner(t.v[0]), corner(t.v[1]), corner(t.v[2])); }
+
+  bool turns_too_far(const Corners& t) const {
+    if (!(policy_.angle < kPi)) return false;
+    const double least = std::cos(policy_.angle);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 &a = node(t.v[static_cast<std::size_t>(k)]).normal, &b = node(t.v[static_cast<std::size_t>((k + 1) % 3)]).normal;
+      if (a != Vec3(0.0) && b != Vec3(0.0) && glm::dot(a, b) < least) return true;
+    }
+    return false;
+  }
+
+  // By how much a triangle exceeds what it is allowed; positive: it needs a point.
+  double excess_of(const Corners& t) const {
+    const double over = bound_of(t) + sliver_of(t) - policy_.distance;
+    if (over > 0) return over;
+    return turns_too_far(t) ? policy_.distance : over;
+  }
+
+  void refine() {
+    std::vector<std::uint32_t> work;
+    for (std::uint32_t i = 0; i < triangulation_->triangles().size(); ++i)
+      if (triangulation_->triangles()[i].inside) work.push_back(i);
+    std::size_t inserted = 0;
+    const std::size_t most = 1000000 + 100 * mesh_.nodes.size();
+    for (std::size_t i = 0; i < work.size() && inserted < most; ++i) {
+      const Corners t = triangulation_->triangles()[work[i]];
+      if (!t.inside || !(excess_of(t) > 0)) continue;
+      if (!divide(t)) continue;
+      ++inserted;
+      for (std::uint32_t changed : triangulation_->changed())
+        if (triangulation_->triangles()[changed].inside) work.push_back(changed);
+    }
+  }
+
+  // Puts a point where the triangle is longest; false if it must stay as it is.
+  bool divide(const Corners& t) {
+    double longest3 = 0;
+    for (int k = 0; k < 3; ++k)
+      longest3 = std::max(longest3,
+                          glm::length(corner(t.v[static_cast<std::size_t>(k)]).S - corner(t.v[static_cast<std::size_t>((k + 1) % 3)]).S));
+    if (longest3 < kLeastSize * policy_.distance) return false;
+    // Sides of the border are not split here: a collapsed one that is too long is asked for, else the longest other side takes the point.
+    int best = -1;
+    double longest = 0;
+    const auto points = triangulation_->points();
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = t.v[static_cast<std::size_t>((k + 1) % 3)], b = t.v[static_cast<std::size_t>((k + 2) % 3)];
+      const Vec2 d = points[a] - points[b];
+      const double length = glm::dot(d, d);
+      if (length <= longest) continue;
+      if (t.constrained >> k & 1) {
+        const auto at = border_.find(key_of(a, b));
+        if (at == border_.end() || !at->second.degenerate || length < 1) continue;
+      }
+      longest = length;
+      best = k;
+    }
+    UV uv;
+    if (best < 0) {
+      uv = (node(t.v[0]).uv + node(t.v[1]).uv + node(t.v[2]).uv) / 3.0;
+    } else {
+      const std::uint32_t a = t.v[static_cast<std::size_t>((best + 1) % 3)], b = t.v[static_cast<std::size_t>((best + 2) % 3)];
+      if (t.constrained >> best & 1) {
+        mesh_.to_split.push_back(border_.at(key_of(a, b)).at);
+        return false;
+      }
+      uv = 0.5 * (node(a).uv + node(b).uv);
+    }
+    near_ = t.v[0];
+    const std::size_t before = mesh_.nodes.size();
+    if (!inside_at(uv * scale_)) return false;
+    add_inner(uv, false);
+    return mesh_.nodes.size() > before;
+  }
+
+  // ---- result ----
+
+  void collect_triangles() {
+    for (const Corners& t : triangulation_->triangles()) {
+      if (!t.inside) continue;
+      const double bound = bound_of(t) + sliver_of(t);
+      if (same_point(t.v[0], t.v[1]) || same_point(t.v[1], t.v[2]) || same_point(t.v[2], t.v[0])) {
+        ++mesh_.collapsed;
+        continue;
+      }
+      mesh_.bound = std::max(mesh_.bound, bound);
+      mesh_.unresolved += bound > policy_.distance;
+      mesh_.folded += is_folded(t);
+      Triangle corners{node_of_[t.v[0]], node_of_[t.v[1]], node_of_[t.v[2]]};
+      if (shape_.face().reversed) std::swap(corners[1], corners[2]);
+      mesh_.triangles.push_back(corners);
+    }
+  }
+
+  bool is_folded(const Corners& t) const {
+    Vec3 n = glm::cross(placed(t.v[1]) - placed(t.v[0]), placed(t.v[2]) - placed(t.v[0]));
+    if (shape_.face().reversed) n = -n;
+    const Vec3 mean = node(t.v[0]).normal + node(t.v[1]).normal + node(t.v[2]).normal;
+    return !(glm::dot(n, mean) > 0);
+  }
+
+  const FaceShape& shape_;
+  const Boundary& boundary_;
+  const EdgeNet& net_;
+  FacePolicy policy_;
+  FaceMesh mesh_;
+  Box2 domain_;
+  Vec2 scale_{1.0};
+  std::vector<BorderSegment> segments_;  // from border node i to the next of its loop
+  std::vector<std::pair<std::size_t, std::size_t>> loop_ends_;
+  std::vector<Point3> surface_points_;  // of the nodes: on this face's own surface
+  std::optional<Triangulation> triangulation_;
+  std::vector<std::uint32_t> node_of_;  // of each vertex of the triangulation
+  std::unordered_map<std::uint64_t, BorderSegment> border_;
+  std::uint32_t near_ = Triangulation::kNone, located_ = 0;
+};
+
+}  // namespace
+
+FaceMesh mesh_face(const FaceShape& shape, const std::vector<std::vector<int>>& loops, const Boundary& boundary, const EdgeNet& net,
+                   const FacePolicy& policy, const std::vector<UV>& extra) {
+  return FaceMesher(shape, boundary, net, policy).mesh(loops, extra);
+}
+
+}  // namespace iso

@@ -1,0 +1,133 @@
+#include "tess/face_shape.h"
+
+namespace iso {
+
+namespace {
+
+// The largest value over barycentric coordinates of 1/2 (l0 l1 x + l1 l2 y + l2 l0 z): with squared lengths of sides this is half the
+// squared radius of the smallest circle around the triangle.
+double largest_of_form(double x, double y, double z) {
+  const double edges = std::max({x, y, z, 0.0}) / 8;
+  if (!(x > 0 && y > 0 && z > 0)) return edges;
+  // Inside the triangle there is a maximum if it is "acute".
+  if (x + y <= z || y + z <= x || z + x <= y) return edges;
+  const double area = 2 * (x * y + y * z + z * x) - (x * x + y * y + z * z);
+  return area > 0 ? std::max(edges, x * y * z / (2 * area)) : edges;
+}
+
+// d^T [uu uv; uv vv] d, from below and from above.
+Range form_range(const Bend& bend, const Vec2& d) {
+  const double uu = d.x * d.x, uv = 2 * d.x * d.y, vv = d.y * d.y;
+  const auto term = [](const Range& r, double by) {
+    if (by == 0) return Range{0, 0};
+    return by > 0 ? Range{r.lo * by, r.hi * by} : Range{r.hi * by, r.lo * by};
+  };
+  const Range a = term(bend.uu, uu), b = term(bend.uv, uv), c = term(bend.vv, vv);
+  return {a.lo + b.lo + c.lo, a.hi + b.hi + c.hi};
+}
+
+double form_size(const Bend& bend, const Vec2& d) {
+  const auto times = [](double m, double by) { return by == 0 ? 0.0 : m * by; };
+  return times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, std::abs(d.x * d.y)) + times(bend.Mvv, d.y * d.y);
+}
+
+double largest_size(const Range& r) { return std::max(std::abs(r.lo), std::abs(r.hi)); }
+
+// Where the shift along the surface is more than this share of its radius of curvature, the bound does not separate it.
+constexpr double kMostShift = 0.25;
+
+// From bounds on e = S - L: its size, and its part along the normal of the surface. A point of the triangle lies over the tangent plane at
+// the matching surface point, a shift of at most `size` away from it, where the surface has left that plane by half the curvature times the
+// shift squared.
+double with_shift(double along_normal, double size, double curvature) {
+  if (!(curvature * size <= kMostShift)) return size;
+  return std::min(size, along_normal + 0.5 * curvature * size * size * (1 + curvature * size));
+}
+
+double cap_of_arc(double width) { return width >= kTwoPi ? 2.0 : 1 - std::cos(0.5 * width); }
+
+double width_of(const std::array<UV, 3>& uv) { return std::max({uv[0].x, uv[1].x, uv[2].x}) - std::min({uv[0].x, uv[1].x, uv[2].x}); }
+
+// The sphere is farthest from a triangle over the foot of its centre, if that lies in the triangle, else over the middle of the longest
+// side.
+double sphere_bound(const Sphere& sphere, const std::array<Point3, 3>& S) {
+  const Vec3 a = S[0] - sphere.frame.O, ab = S[1] - S[0], bc = S[2] - S[1], ca = S[0] - S[2];
+  const double x = glm::dot(ab, ab), y = glm::dot(bc, bc), z = glm::dot(ca, ca), longest = std::max({x, y, z});
+  const double r = sphere.r;
+  if (2 * longest < x + y + z) {
+    const Vec3 n = glm::cross(ab, -ca);
+    return r - std::abs(glm::dot(n, a)) / glm::length(n);
+  }
+  return r - std::sqrt(std::max(0.0, r * r - 0.25 * longest));
+}
+
+}  // namespace
+
+FaceShape::FaceShape(const Face& face) : face_(&face), bend_(face.surface, face.domain) {}
+
+double FaceShape::general_bound(const std::array<UV, 3>& uv, double longest) const {
+  Box2 box;
+  for (const UV& p : uv) box.include(p);
+  const Bend bend = bend_.over(box);
+  const std::array<Vec2, 3> d{uv[1] - uv[0], uv[2] - uv[1], uv[0] - uv[2]};
+  const double size = largest_of_form(form_size(bend, d[0]), form_size(bend, d[1]), form_size(bend, d[2]));
+  if (!(bend.curvature * size <= kMostShift)) return size;
+  // The normal is taken at another point than the second derivative: it turns by at most the angle `turn` between them.
+  const double turn = std::min(1.0, bend.curvature * (longest + 2 * size));
+  const auto widened = [&](const Range& h, double M) {
+    const double least = h.lo > 0 ? h.lo : (h.hi < 0 ? -h.hi : 0.0);
+    const double tangential = std::sqrt(std::max(0.0, M * M - least * least));
+    const double by = turn * tangential + 0.5 * turn * turn * largest_size(h);
+    return Range{h.lo - by, h.hi + by};
+  };
+  Bend wide = bend;
+  wide.uu = widened(bend.uu, bend.Muu);
+  wide.uv = widened(bend.uv, bend.Muv);
+  wide.vv = widened(bend.vv, bend.Mvv);
+  const Range x = form_range(wide, d[0]), y = form_range(wide, d[1]), z = form_range(wide, d[2]);
+  const double along = std::max(largest_of_form(x.hi, y.hi, z.hi), largest_of_form(-x.lo, -y.lo, -z.lo));
+  return with_shift(along, size, bend.curvature);
+}
+
+double FaceShape::triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c) const {
+  const std::array<UV, 3> uv{a.uv, b.uv, c.uv};
+  if (std::holds_alternative<Plane>(face_->surface)) return 0;
+  if (const auto* s = std::get_if<Cylinder>(&face_->surface)) return s->r * cap_of_arc(width_of(uv));
+  if (const auto* s = std::get_if<Sphere>(&face_->surface)) return sphere_bound(*s, {a.S, b.S, c.S});
+  if (const auto* s = std::get_if<Cone>(&face_->surface)) {
+    const auto radius = [&](const UV& p) { return s->r + p.y * std::sin(s->half_angle); };
+    const double r0 = radius(a.uv), r1 = radius(b.uv), r2 = radius(c.uv);
+    const double most = std::max({r0, r1, r2}), least = std::min({r0, r1, r2}), slack = 1e-9 * std::max(std::abs(most), std::abs(least));
+    if (least >= -slack || most <= slack)  // all on one half of the cone
+      return std::max(std::abs(most), std::abs(least)) * cap_of_arc(width_of(uv)) * std::cos(s->half_angle);
+  }
+  return general_bound(uv, std::max({glm::length(a.S - b.S), glm::length(b.S - c.S), glm::length(c.S - a.S)}));
+}
+
+double FaceShape::segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const {
+  if (std::holds_alternative<Sphere>(face_->surface)) {
+    // A straight line in (u, v) is no great arc: the general bound.
+    return general_bound({a.uv, b.uv, b.uv}, glm::length(a.S - b.S));
+  }
+  return triangle_bound(a, b, b);
+}
+
+Vec2 FaceShape::speed(const Box2& uv) const {
+  const Jet2 at = jet2(face_->surface, uv.middle());
+  const Bend bend = bend_.over(uv);
+  const Vec2 half = 0.5 * uv.size();
+  return {glm::length(at.Su) + bend.Muu * half.x + bend.Muv * half.y, glm::length(at.Sv) + bend.Muv * half.x + bend.Mvv * half.y};
+}
+
+FaceShape::Placed FaceShape::place(UV uv) const {
+  const Jet2 at = jet2(face_->surface, uv);
+  const Vec3 cross = glm::cross(at.Su, at.Sv);
+  const double area = glm::length(cross);
+  // Near a pole the limit from inside decides.
+  constexpr double kLeastSine = 1e-6;
+  const bool regular = area > kLeastSine * glm::length(at.Su) * glm::length(at.Sv) && area > 0;
+  const Vec3 n = regular ? cross / area : unit_normal(face_->surface, uv, face_->domain);
+  return {at.S, face_->reversed ? -n : n};
+}
+
+}  // namespace iso

@@ -1,0 +1,54 @@
+// How far flat triangles and straight segments are from the surface of a face.
+//
+// A triangle with corners at a, b, c of the parameter plane and S(a), S(b), S(c) in space is compared with S over the flat triangle a, b,
+// c: with L the linear interpolation, e = S - L = -1/2 sum_{i<j} l_i l_j d_ij^T S'' d_ij (d_ij = differences of the corners, l =
+// barycentric coordinates) [Filip et al. 1986; Safko 2022, 4.2]. The printed bound takes norms; kept here are the signs of the second
+// fundamental form, so that a saddle costs what it costs, and the shift along the surface, which makes no distance, is counted to second
+// order only.
+#pragma once
+
+#include <array>
+
+#include "patches/bend.h"
+#include "patches/brep.h"
+
+namespace iso {
+
+// A corner: its parameters and its place on the surface.
+struct SurfaceCorner {
+  UV uv{0.0};
+  Point3 S{0.0};
+};
+
+class FaceShape {
+ public:
+  explicit FaceShape(const Face& face);
+
+  const Face& face() const { return *face_; }
+  const BendTree& bend() const { return bend_; }
+
+  // World units: no point of the triangle is farther from the surface, and no point of the surface over a, b, c farther from the triangle
+  // and its neighbours. Infinite where nothing is proven. Closed forms for planes, cylinders, cones and spheres.
+  double triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c) const;
+
+  // The same of the segment between two corners and the surface's curve over the straight line between them in (u, v).
+  double segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const;
+
+  // World units per parameter unit, at most, over a box.
+  Vec2 speed(const Box2& uv) const;
+
+  // The place and the unit outward normal at (u, v); `normal` is zero where there is none.
+  struct Placed {
+    Point3 S;
+    Vec3 normal;
+  };
+  Placed place(UV uv) const;
+
+ private:
+  double general_bound(const std::array<UV, 3>& uv, double longest) const;
+
+  const Face* face_;
+  BendTree bend_;
+};
+
+}  // namespace iso

@@ -1,0 +1,204 @@
+#include "tess/tessellate.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "tess/face_mesh.h"
+
+namespace iso {
+
+namespace {
+
+// Segments of edges may use this share of the tolerance; what is left is for the triangles beside them.
+constexpr double kEdgeShare = 0.8;
+
+// Rounds after which what still touches or crosses is left as it is.
+constexpr int kMostRounds = 24;
+
+using Side = std::uint64_t;  // two points
+Side side_of(std::uint32_t a, std::uint32_t b) { return (static_cast<Side>(std::min(a, b)) << 32) | std::max(a, b); }
+
+class PartMesher {
+ public:
+  PartMesher(const Part& part, const TessellationOptions& options) : part_(part), options_(options), boundary_(part) {
+    shapes_.reserve(part.faces.size());
+    for (const Face& face : part.faces) shapes_.emplace_back(face);
+    net_.emplace(
+        part, boundary_, shapes_,
+        EdgePolicy{kEdgeShare * (options.trim > 0 ? options.trim : options.distance), kEdgeShare * options.distance, options.angle});
+    faces_.resize(part.faces.size());
+    extra_.resize(part.faces.size());
+  }
+
+  PartTessellation run() {
+    std::set<int> dirty;
+    for (std::size_t f = 0; f < part_.faces.size(); ++f) dirty.insert(static_cast<int>(f));
+    part_double_segments();
+    int round = 0;
+    for (; !dirty.empty() && round < kMostRounds; ++round) {
+      mesh_faces({dirty.begin(), dirty.end()});
+      dirty = split_wanted();
+      if (dirty.empty()) dirty = part_touching();
+    }
+    PartTessellation result = assembled();
+    result.rounds = round;
+    return result;
+  }
+
+ private:
+  void mesh_faces(const std::vector<int>& which) {
+    const FacePolicy policy{options_.distance, options_.angle};
+    tbb::parallel_for(std::size_t{0}, which.size(), [&](std::size_t i) {
+      const auto f = static_cast<std::size_t>(which[i]);
+      faces_[f] = mesh_face(shapes_[f], boundary_.loops[f], boundary_, *net_, policy, extra_[f]);
+    });
+  }
+
+  // Splits segments (those of an edge from its end, so that indices stay true) and tells the faces that use them.
+  std::set<int> split(const std::set<EdgeSegment>& segments) {
+    std::set<int> touched;
+    for (auto it = segments.rbegin(); it != segments.rend(); ++it) {
+      if (!net_->split(it->edge, it->segment)) continue;
+      for (int use : boundary_.edges[static_cast<std::size_t>(it->edge)].uses)
+        touched.insert(boundary_.uses[static_cast<std::size_t>(use)].face);
+    }
+    return touched;
+  }
+
+  std::set<int> split_wanted() {
+    std::set<EdgeSegment> wanted;
+    std::set<int> asking;
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      wanted.insert(faces_[f].to_split.begin(), faces_[f].to_split.end());
+      if (!faces_[f].to_split.empty()) asking.insert(static_cast<int>(f));
+      faces_[f].to_split.clear();
+    }
+    return split(wanted);
+  }
+
+  // Two edges between the same two vertices must not become one segment.
+  void part_double_segments() {
+    for (int round = 0; round < kMostRounds; ++round) {
+      std::map<Side, EdgeSegment> seen;
+      std::set<EdgeSegment> doubled;
+      for (std::size_t e = 0; e < boundary_.edges.size(); ++e) {
+        if (boundary_.edges[e].degenerate) continue;
+        const auto& points = net_->edge(static_cast<int>(e)).point;
+        for (std::uint32_t i = 0; i + 1 < points.size(); ++i) {
+          const EdgeSegment at{static_cast<int>(e), i};
+          const auto [known, is_new] = seen.try_emplace(side_of(points[i], points[i + 1]), at);
+          if (is_new) continue;
+          doubled.insert(at);
+          doubled.insert(known->second);
+        }
+      }
+      if (doubled.empty() || split(doubled).empty()) return;
+    }
+  }
+
+  // The points of a face's triangles: those of the net as they are, its own made different by a mark.
+  std::uint64_t global_point(std::size_t f, std::uint32_t node) const {
+    const FaceMesh& mesh = faces_[f];
+    const std::uint64_t point = mesh.nodes[node].point;
+    return node < mesh.border ? point : (static_cast<std::uint64_t>(f + 1) << 32) | point;
+  }
+
+  // Triangles' sides between two border points that several faces have in common, though they are no segments of edges, would make edges
+  // with more than two triangles: each such side takes a point in its middle.
+  std::set<int> part_touching() {
+    struct Use {
+      std::size_t face;
+      UV middle;
+    };
+    std::unordered_map<Side, std::vector<Use>> sides;
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+      for (const Triangle& t : faces_[f].triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+          const FaceMesh& mesh = faces_[f];
+          if (a >= mesh.border || b >= mesh.border) continue;
+          sides[side_of(mesh.nodes[a].point, mesh.nodes[b].point)].push_back({f, 0.5 * (mesh.nodes[a].uv + mesh.nodes[b].uv)});
+        }
+    std::unordered_map<Side, int> segments;
+    for (std::size_t e = 0; e < boundary_.edges.size(); ++e) {
+      const auto& points = net_->edge(static_cast<int>(e)).point;
+      for (std::size_t i = 0; i + 1 < points.size(); ++i)
+        segments[side_of(points[i], points[i + 1])] += static_cast<int>(boundary_.edges[e].uses.size());
+    }
+    std::set<int> touched;
+    for (const auto& [side, uses] : sides) {
+      const auto on_edge = segments.find(side);
+      const int allowed = on_edge == segments.end() ? 2 : std::max(2, on_edge->second);
+      if (static_cast<int>(uses.size()) <= allowed) continue;
+      for (const Use& use : uses) {
+        auto& extra = extra_[use.face];
+        if (std::find(extra.begin(), extra.end(), use.middle) != extra.end()) continue;
+        extra.push_back(use.middle);
+        touched.insert(static_cast<int>(use.face));
+      }
+    }
+    for (int f : touched)
+      std::sort(extra_[static_cast<std::size_t>(f)].begin(), extra_[static_cast<std::size_t>(f)].end(),
+                [](const UV& a, const UV& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+    return touched;
+  }
+
+  PartTessellation assembled() {
+    PartTessellation result;
+    result.unresolved_edges = net_->unresolved();
+    PartMesh& mesh = result.mesh;
+    std::vector<std::uint32_t> number(net_->points().size(), 0xffffffffu);  // of the net's points, those that are used
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+      FaceMesh& face = faces_[f];
+      const auto first = static_cast<std::uint32_t>(mesh.nodes.size());
+      for (std::size_t i = 0; i < face.nodes.size(); ++i) {
+        MeshNode node = face.nodes[i];
+        if (i < face.border) {
+          std::uint32_t& n = number[node.point];
+          if (n == 0xffffffffu) {
+            n = static_cast<std::uint32_t>(mesh.points.size());
+            mesh.points.push_back(net_->points()[node.point]);
+          }
+          node.point = n;
+        } else {
+          const Point3 p = face.inner[node.point];
+          node.point = static_cast<std::uint32_t>(mesh.points.size());
+          mesh.points.push_back(p);
+        }
+        mesh.nodes.push_back(node);
+      }
+      for (const Triangle& t : face.triangles) mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+      mesh.first_node.push_back(static_cast<std::uint32_t>(mesh.nodes.size()));
+      mesh.first_triangle.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
+      result.faces.push_back(report_of(face));
+      face = {};
+    }
+    return result;
+  }
+
+  static FaceReport report_of(const FaceMesh& face) {
+    FaceReport report{face.bound,     face.offset, static_cast<int>(face.triangles.size()), face.unresolved, face.collapsed, face.folded,
+                      face.crossings, {}};
+    if (face.triangles.empty())
+      report.failure = face.nodes.size() < 3 ? "its loops have less than three points" : "its loops enclose nothing";
+    return report;
+  }
+
+  const Part& part_;
+  TessellationOptions options_;
+  Boundary boundary_;
+  std::vector<FaceShape> shapes_;
+  std::optional<EdgeNet> net_;
+  std::vector<FaceMesh> faces_;
+  std::vector<std::vector<UV>> extra_;
+};
+
+}  // namespace
+
+PartTessellation tessellate(const Part& part, const TessellationOptions& options) { return PartMesher(part, options).run(); }
+
+}  // namespace iso

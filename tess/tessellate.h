@@ -1,0 +1,41 @@
+// A part as a watertight mesh with a proven distance from its surfaces [Safko 2022, ch. 4]: its edges are sampled once (edge_net.h), its
+// faces are meshed on their own between those samples (face_mesh.h), and where a face needs more samples on an edge, all faces of that edge
+// are meshed again.
+#pragma once
+
+#include <string>
+
+#include "patches/brep.h"
+#include "patches/triangle_mesh.h"
+
+namespace iso {
+
+struct TessellationOptions {
+  double distance = 0;  // world units, positive: allowed between surface and mesh
+  double trim = 0;      // allowed between an edge and its polyline; 0: as `distance`
+  double angle = kInf;  // radians: allowed between the surface's normals at any two corners of a triangle
+};
+
+// What is proven and what was counted of one face.
+struct FaceReport {
+  double bound = 0;   // no point of the mesh is farther from the face, no point of the face farther from the mesh; without `offset`
+  double offset = 0;  // its border nodes lie this far off its surface: the gap between the faces of its edges, halved
+  int triangles = 0;
+  int unresolved = 0;   // triangles beyond the tolerance that could not be divided
+  int collapsed = 0;    // triangles left out at poles
+  int folded = 0;       // triangles turned against the surface
+  int crossings = 0;    // border segments that cross others and are no sides of triangles
+  std::string failure;  // why the face has no triangles, if it has none
+};
+
+struct PartTessellation {
+  PartMesh mesh;
+  std::vector<FaceReport> faces;
+  int rounds = 0;            // times that faces were meshed again for want of samples on edges
+  int unresolved_edges = 0;  // segments of edges beyond the tolerance that could not be divided
+};
+
+// Parallel over faces; the result does not depend on the number of threads.
+PartTessellation tessellate(const Part& part, const TessellationOptions& options);
+
+}  // namespace iso
