@@ -1,6 +1,5 @@
 #include "tess/boundary.h"
 
-#include <array>
 #include <numeric>
 
 namespace iso {
@@ -155,21 +154,40 @@ Boundary::Boundary(const Part& part) {
     }
 }
 
+namespace {
+
+// Newton steps along the curve, clamped to [lo, hi]; downhill only.
+double slide(const Face& face, const EdgeUse& use, const Point3& p, double from, double lo, double hi) {
+  const double a = parameter_at(use, 0), b = parameter_at(use, 1);
+  double best = from, least = kInf;
+  constexpr int kSteps = 12;
+  for (int i = 0; i < kSteps; ++i) {
+    const auto curve = jet(use.curve.curve, parameter_at(use, from));
+    const Jet2 at = jet2(face.surface, curve.C);
+    const Vec3 r = p - at.S, tangent = (at.Su * curve.Ct.x + at.Sv * curve.Ct.y) * (b - a);
+    const double d = glm::length(r), speed2 = glm::dot(tangent, tangent);
+    if (!(d < least)) break;
+    best = from;
+    least = d;
+    if (!(speed2 > 0)) break;
+    const double next = std::clamp(from + glm::dot(r, tangent) / speed2, lo, hi);
+    if (std::abs(next - from) < 4 * kEps) break;
+    from = next;
+  }
+  return best;
+}
+
+}  // namespace
+
 double nearest_share(const Face& face, const EdgeUse& use, const Point3& p, double near, double within) {
   const double lo = std::max(0.0, near - within), hi = std::min(1.0, near + within);
-  const auto distance = [&](double s) { return glm::length(point(face.surface, uv_at(use, s)) - p); };
-  constexpr int kSteps = 16, kHalvings = 30;
-  double best = near, least = distance(near);
+  constexpr int kSteps = 8;
+  double best = near, least = kInf;
   for (int i = 0; i <= kSteps; ++i) {
-    const double s = lo + (hi - lo) * i / kSteps, d = distance(s);
+    const double s = lo + (hi - lo) * i / kSteps, d = glm::length(point(face.surface, uv_at(use, s)) - p);
     if (d < least) best = s, least = d;
   }
-  double step = 0.5 * (hi - lo) / kSteps;
-  for (int i = 0; i < kHalvings; ++i, step *= 0.5)
-    for (const double s : {best - step, best + step})
-      if (s >= lo && s <= hi)
-        if (const double d = distance(s); d < least) best = s, least = d;
-  return best;
+  return slide(face, use, p, best, lo, hi);
 }
 
 }  // namespace iso

@@ -2,6 +2,7 @@
 // runs between two vertices. Faces without loops get the sides of their domain as edges of their own; sides that meet (seams) are one edge.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
