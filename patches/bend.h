@@ -1,35 +1,67 @@
-// Bounds of a surface's second derivatives over boxes of its parameter plane: what decides how far flat triangles are from it.
+// Bounds of a surface's second derivatives over boxes of its parameter plane: what decides how far flat triangles are from it
+// [Filip et al. 1986], [Safko 2022, 4.2; the printed 2/9 is not the sharp factor: S - L = -1/2 sum_{i<j} l_i l_j d_ij^T S'' d_ij, whose
+// weights sum to 1/3 at most].
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "patches/surface/surface.h"
 
 namespace iso {
 
-// Proven for all points of a box of (u, v).
+// Proven for all points of a box of (u, v) where Su x Sv does not vanish.
 struct Bend {
   Range uu, uv, vv;                  // of n . Suu, n . Suv, n . Svv, with n = Su x Sv / |Su x Sv|; [-inf, inf] where n has no bound
-  double Muu = 0, Muv = 0, Mvv = 0;  // suprema of |Suu|, |Suv|, |Svv|; infinite across a knot where the tangent jumps
+  double Muu = 0, Muv = 0, Mvv = 0;  // suprema of |Suu|, |Suv|, |Svv|; infinite across a knot where the first derivative jumps
   double curvature = 0;              // supremum of the absolute normal curvature; infinite at poles and other singular points
 
   void include(const Bend& other);
 };
 
 // Divides the domain once, until the bounds of a cell are tight (the spread of each range small against its largest magnitude in it), then
-// answers for any box.
+// answers for any box: with the hull over the cells that the box meets. Planes, cylinders, cones, spheres, tori, and extrusions of lines
+// and conics need no cells: their bounds are closed forms of the box itself, exact but for rounding.
+//
+// Bounds hold for the exact surface of these numbers; they are widened by the rounding of their own evaluation. A smooth surface across a
+// border of spans where only S'' jumps counts as both spans. At a singular point (pole, collapsed side) NURBS and revolutions answer with
+// infinite ranges and curvature, but finite M; so do cones and spindle tori for boxes that cross the apex, where n turns over.
 class BendTree {
  public:
+  // `domain` is finite; what lies beyond a NURBS's own domain is continued by its end spans.
   BendTree(const AnySurface& surface, const Box2& domain);
 
-  // Of the part of `uv` that lies in the domain (widened by rounding); `uv` may reach beyond it by rounding only.
+  // Of the part of `uv` that lies in the domain (widened by rounding); `uv` may reach beyond it by rounding only. A box that reaches across
+  // a knot by rounding only lies on one side of it. May be called by many threads.
   Bend over(const Box2& uv) const;
 
-  // Knots inside the domain where the first derivative jumps, per direction, rising.
+  // Knots inside the domain where the first derivative jumps (by direction or by speed), per direction, rising.
   const std::vector<double>& creases_u() const { return creases_u_; }
   const std::vector<double>& creases_v() const { return creases_v_; }
 
+  // How many cells the domain was divided into; 0 for closed forms.
+  std::size_t cells() const { return (nodes_.size() + 1) / 2; }
+
  private:
+  friend class BendTreeBuilder;
+
+  enum class Cut : std::uint8_t { none, smooth, knot, crease };
+  // The low child follows its parent; leaves have no cut.
+  struct Node {
+    Bend bend;
+    double at = 0;
+    std::int32_t high = -1;
+    Cut cut = Cut::none;
+    std::uint8_t direction = 0;
+  };
+  static_assert(sizeof(Node) <= 96);
+
+  void gather(std::int32_t node, Box2 cell, const Box2& uv, Bend& sum) const;
+
+  AnySurface closed_form_;  // where there are no nodes
+  Box2 domain_;
+  Vec2 touch_{0.0};  // closer than this to a knot is on it
+  std::vector<Node> nodes_;
   std::vector<double> creases_u_, creases_v_;
 };
 

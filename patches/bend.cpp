@@ -1,0 +1,332 @@
+#include "patches/bend.h"
+
+#include <array>
+#include <bit>
+
+#include "patches/base/bernstein.h"
+#include "patches/bend_cell.h"
+
+namespace iso {
+
+namespace {
+
+// A cell is done when the spread of an entry is this share of its largest magnitude ...
+constexpr double kSpread = 0.2;
+// ... or when the entry moves a point by less than this share of what the largest entry does ...
+constexpr double kNegligible = 0.05;
+// ... or when the spreads together move no point by more than this share of the surface's size.
+constexpr double kFlat = 1e-5;
+// Divisions below a span; fewer where there are many spans, so that the tree stays below 2^kMostCells cells.
+constexpr int kMostLevels = 12, kFewestLevels = 4, kMostCells = 18;
+// On the way to a singular point, where the normal stays without bound.
+constexpr int kSingularLevels = 8;
+// Tangents of two spans at their knot differ if they do by more than rounding: as a share of the coordinates, over the spans' widths.
+constexpr double kJump = 1e-12;
+
+// Whether the bounds over a cell of this width are as tight as wanted.
+bool settled(const Bend& b, const Vec2& width, double size) {
+  const std::array<const Range*, 3> ranges{&b.uu, &b.uv, &b.vv};
+  const std::array<double, 3> weight{width.x * width.x, 2 * width.x * width.y, width.y * width.y};
+  std::array<double, 3> most{};
+  double largest = 0, spread = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    most[k] = weight[k] * std::max(std::abs(ranges[k]->lo), std::abs(ranges[k]->hi));
+    largest = std::max(largest, most[k]);
+    spread += weight[k] * ranges[k]->width();
+  }
+  if (!finite(largest)) return b.Muu * weight[0] + b.Muv * weight[1] + b.Mvv * weight[2] <= 8 * kFlat * size;
+  if (spread <= 8 * kFlat * size) return true;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (most[k] > kNegligible * largest && weight[k] * ranges[k]->width() > kSpread * most[k]) return false;
+  return true;
+}
+
+Bend scaled(Bend b, const Vec2& width) {
+  const double uu = 1 / (width.x * width.x), uv = 1 / (width.x * width.y), vv = 1 / (width.y * width.y);
+  b.uu = {b.uu.lo * uu, b.uu.hi * uu};
+  b.uv = {b.uv.lo * uv, b.uv.hi * uv};
+  b.vv = {b.vv.lo * vv, b.vv.hi * vv};
+  b.Muu *= uu;
+  b.Muv *= uv;
+  b.Mvv *= vv;
+  return b;
+}
+
+double length_of_coordinates(const Box3& box) { return glm::length(glm::max(glm::abs(box.lo), glm::abs(box.hi))); }
+
+}  // namespace
+
+class BendTreeBuilder {
+ public:
+  explicit BendTreeBuilder(BendTree& tree) : tree_(tree) {}
+
+  void build(const NurbsSurface& surface, const Box2& domain);
+  void build(const Revolution& surface, const Box2& domain);
+
+ private:
+  struct Spans {
+    int u0, u1, v0, v1;
+  };
+
+  std::int32_t add(const Bend& bend) {
+    tree_.nodes_.push_back({});
+    tree_.nodes_.back().bend = bend;
+    return static_cast<std::int32_t>(tree_.nodes_.size()) - 1;
+  }
+  // Turns `node` into an inner one whose low child is the next node to be made.
+  void cut(std::int32_t node, int direction, double at, BendTree::Cut kind) {
+    tree_.nodes_[node].at = at;
+    tree_.nodes_[node].cut = kind;
+    tree_.nodes_[node].direction = static_cast<std::uint8_t>(direction);
+  }
+  void join(std::int32_t node, std::int32_t high) {
+    BendTree::Node& n = tree_.nodes_[node];
+    n.high = high;
+    n.bend = tree_.nodes_[node + 1].bend;
+    n.bend.include(tree_.nodes_[high].bend);
+    if (n.cut == BendTree::Cut::crease) n.bend = unbounded_bend();
+  }
+
+  void find_creases(int direction);
+  bool is_crease(int direction, double at) const {
+    const std::vector<double>& creases = direction == 0 ? tree_.creases_u_ : tree_.creases_v_;
+    return std::find(creases.begin(), creases.end(), at) != creases.end();
+  }
+  std::int32_t over_spans(const Spans& spans);
+  std::int32_t over_patch(const BezierPatch& patch, const Box2& box, int levels);
+  const BezierPiece& piece(int u, int v) const { return pieces_[static_cast<std::size_t>(u) * count_v_ + v]; }
+
+  void find_profile_creases(const std::vector<BezierSpan<Vec3>>& spans);
+  std::int32_t over_profiles(std::size_t begin, std::size_t end);
+  std::int32_t over_profile(const std::vector<Vec4>& points, const Range& v, int levels);
+
+  BendTree& tree_;
+  PatchBend cell_;
+  std::vector<BezierPiece> pieces_;
+  int count_u_ = 0, count_v_ = 0;
+  int most_levels_ = kMostLevels;
+  bool rational_ = false;
+  double size_ = 0, rounding_ = 0;
+  const Revolution* turned_ = nullptr;
+  std::vector<BezierSpan<Vec3>> profile_;
+};
+
+// ---- NURBS -------------------------------------------------------------------------------------------------------------
+
+// The derivatives across the border differ if any of the border's rows of coefficients tells so. Homogeneous pieces agree in the point
+// there up to a factor, so that differences about it give the derivative.
+void BendTreeBuilder::find_creases(int direction) {
+  const int along = direction == 0 ? count_u_ : count_v_, across = direction == 0 ? count_v_ : count_u_;
+  for (int k = 1; k < along; ++k) {
+    bool jumps = false;
+    double at = 0;
+    for (int l = 0; l < across && !jumps; ++l) {
+      const BezierPiece &low = direction == 0 ? piece(k - 1, l) : piece(l, k - 1), &high = direction == 0 ? piece(k, l) : piece(l, k);
+      const int p = direction == 0 ? low.patch.pu : low.patch.pv, q = direction == 0 ? low.patch.pv : low.patch.pu;
+      const ParamMap &map_low = direction == 0 ? low.u : low.v, &map_high = direction == 0 ? high.u : high.v;
+      at = map_high.a;
+      const double width_low = map_low.b - map_low.a, width_high = map_high.b - map_high.a;
+      for (int j = 0; j <= q && !jumps; ++j) {
+        const auto of = [&](const BezierPatch& b, int i) { return direction == 0 ? b.at(i, j) : b.at(j, i); };
+        const Vec4 border = of(high.patch, 0), before = of(low.patch, p - 1), after = of(high.patch, 1);
+        const Vec4 rise = (of(low.patch, p) - before) / width_low, next = (after - border) / width_high;
+        const double tolerance =
+            kJump * length_of_coordinates(Box3{Vec3(-size_), Vec3(size_)}) * border.w * (1 / width_low + 1 / width_high);
+        jumps = glm::length(Vec3(next - rise)) > tolerance || std::abs(next.w - rise.w) * size_ > tolerance;
+      }
+    }
+    if (jumps) (direction == 0 ? tree_.creases_u_ : tree_.creases_v_).push_back(at);
+  }
+}
+
+std::int32_t BendTreeBuilder::over_patch(const BezierPatch& patch, const Box2& box, int levels) {
+  const PatchBend::Result r = cell_.bound(patch, rational_, rounding_);
+  const std::int32_t node = add(scaled(r.bend, box.size()));
+  if (levels >= (r.bounded ? most_levels_ : std::min(most_levels_, kSingularLevels)) || settled(r.bend, Vec2(1.0), size_)) return node;
+  const int direction = r.along_s >= r.along_t ? 0 : 1;
+  const double at = box.middle()[direction];
+  if (!(box.lo[direction] < at && at < box.hi[direction])) return node;
+  BezierPatch low, high;
+  split_in_half(patch, direction, low, high);
+  cut(node, direction, at, BendTree::Cut::smooth);
+  Box2 low_box = box, high_box = box;
+  low_box.hi[direction] = high_box.lo[direction] = at;
+  over_patch(low, low_box, levels + 1);
+  join(node, over_patch(high, high_box, levels + 1));
+  return node;
+}
+
+std::int32_t BendTreeBuilder::over_spans(const Spans& s) {
+  const int nu = s.u1 - s.u0, nv = s.v1 - s.v0;
+  if (nu == 1 && nv == 1) return over_patch(piece(s.u0, s.v0).patch, piece(s.u0, s.v0).native_box(), 0);
+  const std::int32_t node = add({});
+  Spans low = s, high = s;
+  if (nu >= nv) {
+    low.u1 = high.u0 = s.u0 + nu / 2;
+    const double at = piece(high.u0, 0).u.a;
+    cut(node, 0, at, is_crease(0, at) ? BendTree::Cut::crease : BendTree::Cut::knot);
+  } else {
+    low.v1 = high.v0 = s.v0 + nv / 2;
+    const double at = piece(0, high.v0).v.a;
+    cut(node, 1, at, is_crease(1, at) ? BendTree::Cut::crease : BendTree::Cut::knot);
+  }
+  over_spans(low);
+  join(node, over_spans(high));
+  return node;
+}
+
+void BendTreeBuilder::build(const NurbsSurface& surface, const Box2& domain) {
+  pieces_ = bezier_pieces(surface, domain);
+  rational_ = surface.rational();
+  if (pieces_.empty()) return;
+  while (count_v_ < static_cast<int>(pieces_.size()) && pieces_[count_v_].u.a == pieces_.front().u.a) ++count_v_;
+  count_u_ = static_cast<int>(pieces_.size()) / count_v_;
+  Box3 box;
+  for (const BezierPiece& p : pieces_) box.include(hull_box(p.patch));
+  const double coordinates = length_of_coordinates(box);
+  // About the middle of all: what is left of the coordinates is no larger than the surface.
+  for (BezierPiece& p : pieces_)
+    for (Vec4& h : p.patch.net) {
+      h -= Vec4(h.w * box.middle(), 0.0);
+      if (!rational_) h /= h.w;
+    }
+  size_ = box.diagonal();
+  rounding_ = kEps * coordinates + 16 * kEps * size_;
+  most_levels_ = std::clamp(kMostCells - static_cast<int>(std::bit_width(pieces_.size())), kFewestLevels, kMostLevels);
+  find_creases(0);
+  find_creases(1);
+  over_spans({0, count_u_, 0, count_v_});
+}
+
+// ---- revolutions -------------------------------------------------------------------------------------------------------
+
+void BendTreeBuilder::find_profile_creases(const std::vector<BezierSpan<Vec3>>& spans) {
+  for (std::size_t k = 1; k < spans.size(); ++k) {
+    const auto &low = spans[k - 1], &high = spans[k];
+    const double width_low = low.map.b - low.map.a, width_high = high.map.b - high.map.a;
+    const auto p = static_cast<double>(low.points.size() - 1);
+    const Vec4 &end = low.points.back(), &start = high.points.front(), &before = *(low.points.end() - 2), &after = high.points[1];
+    const Vec3 rise = p * before.w / end.w * (project(end) - project(before)) / width_low;
+    const Vec3 next = p * after.w / start.w * (project(after) - project(start)) / width_high;
+    const double tolerance = kJump * size_ * p * (1 / width_low + 1 / width_high);
+    if (glm::length(next - rise) > tolerance) tree_.creases_v_.push_back(high.map.a);
+  }
+}
+
+// Triangles are about as wide as they are high: that is the width in u to weigh the entries by.
+std::int32_t BendTreeBuilder::over_profile(const std::vector<Vec4>& points, const Range& v, int levels) {
+  CurveBalls balls = points.empty() ? curve_balls(turned_->profile, v) : curve_balls(points, v.width());
+  balls.C -= turned_->O;
+  balls.stray += rounding_;
+  const Bend bend = turned_bend(balls, turned_->Z);
+  const std::int32_t node = add(bend);
+  const double around = (glm::length(balls.Ct) + balls.stray_t) * v.width() / bend.Muu;
+  const bool bounded = finite(bend.uu.lo);
+  if (levels >= (bounded ? most_levels_ : std::min(most_levels_, kSingularLevels)) || !(bend.Muu > 0) ||
+      settled(bend, {std::min(around, 1.0), v.width()}, size_))
+    return node;
+  const double at = v.middle();
+  if (!(v.lo < at && at < v.hi)) return node;
+  cut(node, 1, at, BendTree::Cut::smooth);
+  std::vector<Vec4> low, high;
+  if (!points.empty()) bernstein_split(points, 0.5, low, high);
+  over_profile(low, {v.lo, at}, levels + 1);
+  join(node, over_profile(high, {at, v.hi}, levels + 1));
+  return node;
+}
+
+std::int32_t BendTreeBuilder::over_profiles(std::size_t begin, std::size_t end) {
+  if (end - begin == 1) return over_profile(profile_[begin].points, {profile_[begin].map.a, profile_[begin].map.b}, 0);
+  const std::int32_t node = add({});
+  const std::size_t middle = begin + (end - begin) / 2;
+  const double at = profile_[middle].map.a;
+  cut(node, 1, at, is_crease(1, at) ? BendTree::Cut::crease : BendTree::Cut::knot);
+  over_profiles(begin, middle);
+  join(node, over_profiles(middle, end));
+  return node;
+}
+
+void BendTreeBuilder::build(const Revolution& surface, const Box2& domain) {
+  turned_ = &surface;
+  const Box3 box = bounds(surface, domain);
+  size_ = box.diagonal();
+  rounding_ = 16 * kEps * (length_of_coordinates(box) + glm::length(surface.O));
+  if (const auto* n = std::get_if<NurbsCurve<Vec3>>(&surface.profile)) {
+    profile_ = bezier_spans(surface.profile, domain.lo.y, domain.hi.y);
+    find_profile_creases(profile_);
+    most_levels_ = std::clamp(kMostCells - static_cast<int>(std::bit_width(n->poles.size())), kFewestLevels, kMostLevels);
+  } else {
+    profile_.push_back({{}, {ParamMap::Kind::affine, domain.lo.y, domain.hi.y}});
+  }
+  if (!profile_.empty()) over_profiles(0, profile_.size());
+}
+
+// ---- the tree ----------------------------------------------------------------------------------------------------------
+
+namespace {
+
+// The same surface, point by point.
+NurbsSurface as_nurbs(const Extrusion& s, const Range& v) {
+  const auto& c = std::get<NurbsCurve<Vec3>>(s.profile);
+  NurbsSurface out;
+  out.degree_u = c.degree;
+  out.degree_v = 1;
+  out.count_u = static_cast<int>(c.poles.size());
+  out.count_v = 2;
+  out.knots_u = c.knots;
+  out.knots_v = {v.lo, v.lo, v.hi, v.hi};
+  for (const Vec4& h : c.poles)
+    for (const double at : {v.lo, v.hi}) out.poles.push_back(h + Vec4(h.w * at * s.direction, 0.0));
+  return out;
+}
+
+}  // namespace
+
+BendTree::BendTree(const AnySurface& surface, const Box2& domain) : domain_(domain) {
+  touch_ = 16 * kEps * glm::max(glm::abs(domain.lo), glm::abs(domain.hi));
+  BendTreeBuilder builder(*this);
+  if (has_closed_form_bend(surface))
+    closed_form_ = surface;
+  else if (const auto* extrusion = std::get_if<Extrusion>(&surface))
+    builder.build(as_nurbs(*extrusion, {domain.lo.y, domain.hi.y}), domain);
+  else if (const auto* revolution = std::get_if<Revolution>(&surface))
+    builder.build(*revolution, domain);
+  else
+    builder.build(std::get<NurbsSurface>(surface), domain);
+  if (!has_closed_form_bend(surface) && nodes_.empty()) nodes_.emplace_back().bend = unbounded_bend();  // a domain without width
+}
+
+void BendTree::gather(std::int32_t index, Box2 cell, const Box2& uv, Bend& sum) const {
+  for (;;) {
+    const Node& node = nodes_[index];
+    const bool inside = uv.lo.x <= cell.lo.x && uv.lo.y <= cell.lo.y && uv.hi.x >= cell.hi.x && uv.hi.y >= cell.hi.y;
+    if (inside || node.cut == Cut::none) return sum.include(node.bend);
+    const int d = node.direction;
+    const double slack = node.cut == Cut::smooth ? 0.0 : touch_[d];
+    bool low = uv.lo[d]<node.at - slack, high = uv.hi[d]> node.at + slack;
+    if (low && high && node.cut == Cut::crease) return sum.include(unbounded_bend());
+    if (!low && !high) low = high = true;  // all of it on the cut
+    if (low && high) {
+      Box2 part = cell;
+      part.hi[d] = node.at;
+      gather(index + 1, part, uv, sum);
+    }
+    if (high) {
+      cell.lo[d] = node.at;
+      index = node.high;
+    } else {
+      cell.hi[d] = node.at;
+      ++index;
+    }
+  }
+}
+
+Bend BendTree::over(const Box2& uv) const {
+  const Box2 part{glm::clamp(uv.lo, domain_.lo, domain_.hi), glm::clamp(uv.hi, domain_.lo, domain_.hi)};
+  if (nodes_.empty()) return closed_form_bend(closed_form_, part).value_or(unbounded_bend());
+  Bend sum;
+  gather(0, domain_, part, sum);
+  return sum;
+}
+
+}  // namespace iso
