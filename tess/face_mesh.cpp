@@ -1,6 +1,8 @@
 #include "tess/face_mesh.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <optional>
 #include <unordered_map>
 
@@ -33,13 +35,15 @@ class FaceMesher {
   FaceMesh mesh(const std::vector<std::vector<int>>& loops, const std::vector<UV>& extra) {
     collect_border(loops);
     if (mesh_.nodes.size() < 3) return std::move(mesh_);
-    const SampleGrids grids = sample_grids(shape_, domain_, kGridShare * policy_.distance);
+    const SampleGrids grids = sample_grids(shape_, domain_, 16 * policy_.distance);
     scale_ = grids.scale;
     make_triangulation();
     if (!mesh_.to_split.empty()) return std::move(mesh_);
     triangulation_->mark_inside();
     for (const UV& uv : extra) add_inner(uv, true);
+    if (getenv("DBG")) { double n = 0; for (auto& g : grids.grids) n += double(g.columns) * g.rows; fprintf(stderr, "face %p %s: %zu grids, %g cells, border %zu scale %g %g\n", (const void*)&shape_, kind_name(shape_.face().surface), grids.grids.size(), n, mesh_.border, scale_.x, scale_.y); }
     for (const SampleGrid& grid : grids.grids) add_grid(grid);
+    if (getenv("DBG")) fprintf(stderr, "   nodes %zu\n", mesh_.nodes.size());
     refine();
     if (!mesh_.to_split.empty()) return std::move(mesh_);
     collect_triangles();
@@ -163,7 +167,7 @@ class FaceMesher {
       const Vec2 d = points[t.v[static_cast<std::size_t>(k)]] - points[t.v[static_cast<std::size_t>((k + 1) % 3)]];
       if (glm::dot(d, d) > kManyCells * kManyCells) return true;
     }
-    return excess_of(t) > 0;
+    return exceeds(t);
   }
 
   // The corners of the grid's cells; of its border those on the low sides, unless that is the border of the face's box.
@@ -205,7 +209,9 @@ class FaceMesher {
     return sliver;
   }
 
-  double bound_of(const Corners& t) const { return shape_.triangle_bound(corner(t.v[0]), corner(t.v[1]), corner(t.v[2])); }
+  FaceShape::Verdict verdict_of(const Corners& t, double most) const {
+    return shape_.keeps(corner(t.v[0]), corner(t.v[1]), corner(t.v[2]), most);
+  }
 
   bool turns_too_far(const Corners& t) const {
     if (!(policy_.angle < kPi)) return false;
@@ -217,11 +223,10 @@ class FaceMesher {
     return false;
   }
 
-  // By how much a triangle exceeds what it is allowed; positive: it needs a point.
-  double excess_of(const Corners& t) const {
-    const double over = bound_of(t) + sliver_of(t) - policy_.distance;
-    if (over > 0) return over;
-    return turns_too_far(t) ? policy_.distance : over;
+  // Whether a triangle is beyond what it is allowed and needs a point.
+  bool exceeds(const Corners& t) const {
+    const double most = policy_.distance - sliver_of(t);
+    return !verdict_of(t, most).within || turns_too_far(t);
   }
 
   void refine() {
@@ -232,7 +237,7 @@ class FaceMesher {
     const std::size_t most = 1000000 + 100 * mesh_.nodes.size();
     for (std::size_t i = 0; i < work.size() && inserted < most; ++i) {
       const Corners t = triangulation_->triangles()[work[i]];
-      if (!t.inside || !(excess_of(t) > 0)) continue;
+      if (!t.inside || !exceeds(t)) continue;
       if (!divide(t)) continue;
       ++inserted;
       for (std::uint32_t changed : triangulation_->changed())
@@ -286,7 +291,7 @@ class FaceMesher {
   void collect_triangles() {
     for (const Corners& t : triangulation_->triangles()) {
       if (!t.inside) continue;
-      const double bound = bound_of(t) + sliver_of(t);
+      const double sliver = sliver_of(t), bound = verdict_of(t, policy_.distance - sliver).bound + sliver;
       if (same_point(t.v[0], t.v[1]) || same_point(t.v[1], t.v[2]) || same_point(t.v[2], t.v[0])) {
         ++mesh_.collapsed;
         continue;

@@ -104,6 +104,83 @@ double FaceShape::triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b,
   return general_bound(uv, std::max({glm::length(a.S - b.S), glm::length(b.S - c.S), glm::length(c.S - a.S)}));
 }
 
+// The point of the surface nearest to x, by one or two steps from (u, v): any point of the surface bounds the distance from above.
+SurfaceCorner FaceShape::foot(const Point3& x, UV uv, double& distance) const {
+  SurfaceCorner best{uv, {}};
+  Jet2 at = jet2(face_->surface, uv);
+  best.S = at.S;
+  distance = glm::length(x - at.S);
+  constexpr int kSteps = 2;
+  for (int i = 0; i < kSteps; ++i) {
+    const Vec3 r = x - at.S;
+    const double E = glm::dot(at.Su, at.Su), F = glm::dot(at.Su, at.Sv), G = glm::dot(at.Sv, at.Sv), det = E * G - F * F;
+    if (!(det > 1e-12 * E * G)) break;
+    const double bu = glm::dot(at.Su, r), bv = glm::dot(at.Sv, r);
+    const UV step((G * bu - F * bv) / det, (E * bv - F * bu) / det);
+    const UV next = glm::clamp(uv + step, face_->domain.lo, face_->domain.hi);
+    at = jet2(face_->surface, next);
+    const double d = glm::length(x - at.S);
+    if (!(d < distance)) break;
+    const bool enough = d > 0.98 * distance;
+    distance = d;
+    uv = next;
+    best = {uv, at.S};
+    if (enough) break;
+  }
+  return best;
+}
+
+FaceShape::Verdict FaceShape::divided(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most, int levels) const {
+  const int n = 1 << levels;
+  // The grid's points by rows; corner points lie on the surface.
+  std::array<SurfaceCorner, 45> feet;
+  const auto index = [&](int i, int j) { return static_cast<std::size_t>(j * (n + 1) - j * (j - 1) / 2 + i); };
+  double worst = 0;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i + j <= n; ++i) {
+      SurfaceCorner& at = feet[index(i, j)];
+      if (i == n) at = b;
+      else if (j == n) at = c;
+      else if (i + j == 0) at = a;
+      else {
+        const double y = double(i) / n, z = double(j) / n, x = 1 - y - z;
+        double distance = 0;
+        at = foot(x * a.S + y * b.S + z * c.S, x * a.uv + y * b.uv + z * c.uv, distance);
+        worst = std::max(worst, distance);
+        if (worst > most) return {false, worst};
+      }
+    }
+  double between = 0;
+  const auto add = [&](const SurfaceCorner& p, const SurfaceCorner& q, const SurfaceCorner& r) {
+    const double longest = std::max({glm::length(p.S - q.S), glm::length(q.S - r.S), glm::length(r.S - p.S)});
+    between = std::max(between, general_bound({p.uv, q.uv, r.uv}, longest));
+    return worst + between <= most;
+  };
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i + j < n; ++i) {
+      if (!add(feet[index(i, j)], feet[index(i + 1, j)], feet[index(i, j + 1)])) return {false, worst + between};
+      if (i + j + 1 < n && !add(feet[index(i + 1, j)], feet[index(i + 1, j + 1)], feet[index(i, j + 1)])) return {false, worst + between};
+    }
+  return {true, worst + between};
+}
+
+FaceShape::Verdict FaceShape::keeps(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most) const {
+  const double quick = triangle_bound(a, b, c);
+  if (quick <= most) return {true, quick};
+  if (!std::holds_alternative<NurbsSurface>(face_->surface) && !std::holds_alternative<Extrusion>(face_->surface) &&
+      !std::holds_alternative<Revolution>(face_->surface) && !std::holds_alternative<Torus>(face_->surface))
+    return {false, quick};
+  constexpr int kLevels = 3;
+  Verdict verdict{false, quick};
+  for (int level = 1; level <= kLevels; ++level) {
+    verdict = divided(a, b, c, most, level);
+    // Not within, and a division more takes away no more than three quarters of what is not certain.
+    if (verdict.within) return verdict;
+    if (!(verdict.bound < kInf)) return verdict;
+  }
+  return verdict;
+}
+
 double FaceShape::segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const {
   if (std::holds_alternative<Sphere>(face_->surface)) {
     // A straight line in (u, v) is no great arc: the general bound.

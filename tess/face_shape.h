@@ -31,6 +31,15 @@ class FaceShape {
   // and its neighbours. Infinite where nothing is proven. Closed forms for planes, cylinders, cones and spheres.
   double triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c) const;
 
+  // Whether the bound is at most `most`, found with as little work as that takes. Where `triangle_bound` is too coarse (rough surfaces, large
+  // triangles) the triangle is divided: its points are projected on the surface, which takes the shift along the surface out, and between
+  // them the same bound of the smaller triangles holds. `bound` is what was proven, or a distance that was found to be larger than `most`.
+  struct Verdict {
+    bool within = false;
+    double bound = 0;
+  };
+  Verdict keeps(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most) const;
+
   // The same of the segment between two corners and the surface's curve over the straight line between them in (u, v).
   double segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const;
 
@@ -45,6 +54,8 @@ class FaceShape {
   Placed place(UV uv) const;
 
  private:
+  Verdict divided(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most, int levels) const;
+  SurfaceCorner foot(const Point3& x, UV uv, double& distance) const;
   double general_bound(const std::array<UV, 3>& uv, double longest) const;
 
   const Face* face_;

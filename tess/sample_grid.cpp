@@ -1,5 +1,7 @@
 #include "tess/sample_grid.h"
 
+#include <algorithm>
+
 namespace iso {
 
 namespace {
@@ -85,8 +87,10 @@ class Divider {
     if (cells > 1 && depth < kMostDepth) {
       SampleGrid best[2];
       double least = kInf;
+      const bool unbounded = grid.columns == kUnbounded;
       for (int axis = 0; axis < 2; ++axis) {
         SampleGrid half[2];
+        if (unbounded && !has_crease(grid.box, axis)) continue;
         if (!cut(grid.box, axis, half[0].box, half[1].box)) continue;
         for (SampleGrid& h : half) fitted(h);
         const double sum = double(half[0].columns) * half[0].rows + double(half[1].columns) * half[1].rows;
@@ -98,7 +102,7 @@ class Divider {
       }
       // A box of many cells may hide what only shows further down.
       const bool coarse = depth < 4 && cells > 64;
-      if (least < (1 - kLeastSaving) * cells || (coarse && least <= cells * 1.02) || cells > kMostCells) {
+      if (least < (1 - kLeastSaving) * cells || (coarse && least <= cells * 1.02) || (cells > kMostCells && least < kInf)) {
         divide(best[0], depth + 1);
         divide(best[1], depth + 1);
         return;
@@ -120,6 +124,11 @@ class Divider {
   std::vector<SampleGrid> grids;
 
  private:
+  bool has_crease(const Box2& box, int axis) const {
+    const auto& creases = axis == 0 ? shape_.bend().creases_u() : shape_.bend().creases_v();
+    return std::any_of(creases.begin(), creases.end(), [&](double c) { return c > box.lo[axis] && c < box.hi[axis]; });
+  }
+
   // Halves, at a crease if there is one inside.
   bool cut(const Box2& box, int axis, Box2& low, Box2& high) const {
     double at = box.middle()[axis];
