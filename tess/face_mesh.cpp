@@ -35,7 +35,7 @@ class FaceMesher {
   FaceMesh mesh(const std::vector<std::vector<int>>& loops, const std::vector<UV>& extra) {
     collect_border(loops);
     if (mesh_.nodes.size() < 3) return std::move(mesh_);
-    const SampleGrids grids = sample_grids(shape_, domain_, 16 * policy_.distance);
+    const SampleGrids grids = sample_grids(shape_, domain_, (getenv("GS") ? atof(getenv("GS")) : 0.95) * policy_.distance);
     scale_ = grids.scale;
     make_triangulation();
     if (!mesh_.to_split.empty()) return std::move(mesh_);
