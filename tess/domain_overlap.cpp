@@ -8,11 +8,14 @@ namespace {
 
 using PlaneTriangle = std::array<UV, 3>;
 
+// Whether r is not to the left of the line from p to q. Common corners are told without arithmetic: most pairs are neighbours.
+bool is_outside(const UV& p, const UV& q, const UV& r) { return r == p || r == q || orientation(p, q, r) <= 0; }
+
 // Whether the line through some side of a has b on its outer side. Both counter-clockwise.
 bool side_separates(const PlaneTriangle& a, const PlaneTriangle& b) {
   for (std::size_t k = 0; k < 3; ++k) {
     const UV &p = a[k], &q = a[(k + 1) % 3];
-    if (orientation(p, q, b[0]) <= 0 && orientation(p, q, b[1]) <= 0 && orientation(p, q, b[2]) <= 0) return true;
+    if (is_outside(p, q, b[0]) && is_outside(p, q, b[1]) && is_outside(p, q, b[2])) return true;
   }
   return false;
 }
