@@ -6,8 +6,8 @@
 
 #include <filesystem>
 
+#include "patches/files/output_file.h"
 #include "raytracer/film.h"
-#include "raytracer/output_file.h"
 
 namespace iso {
 namespace {

@@ -23,15 +23,18 @@ const std::map<std::string, std::set<std::string>> kMayInclude{
     {"patches/mesh", {"patches/base", "patches/curve", "patches/surface", "patches"}},
     {"patches/spline", {"patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh"}},
     {"patches/colour", {"patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh"}},
-    {"patches/io", {"patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh", "patches/spline", "patches/colour"}},
+    {"patches/files", {"patches/base"}},
+    {"patches/io",
+     {"patches/files", "patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh", "patches/spline", "patches/colour"}},
     {"tess", {"patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh", "patches/spline", "patches/colour"}},
-    {"raytracer", {"patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh", "patches/spline", "patches/colour"}},
+    {"raytracer",
+     {"patches/files", "patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh", "patches/spline", "patches/colour"}},
     {"raytracer/cmd",
-     {"patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh", "patches/spline", "patches/colour", "patches/io",
-      "tess", "raytracer"}},
+     {"patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh", "patches/spline", "patches/colour", "patches/files",
+      "patches/io", "tess", "raytracer"}},
     {"tests",
-     {"patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh", "patches/spline", "patches/colour", "patches/io",
-      "tess", "raytracer", "raytracer/cmd", "reference"}},
+     {"patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh", "patches/spline", "patches/colour", "patches/files",
+      "patches/io", "tess", "raytracer", "raytracer/cmd", "reference"}},
     {"reference", {"patches/base", "patches/curve", "patches/surface", "patches", "patches/mesh", "patches/spline", "patches/colour"}},
 };
 
@@ -51,11 +54,11 @@ const std::vector<Guarded>& guarded() {
       {"OpenGL", std::regex("(GL|EGL|GLFW|epoxy)/.*"), std::regex("tess/gpu/.*")},
       // The mathematics: values in, values out; no library but GLM, no files, threads or printing (check.h aborts with a message).
       {"libraries other than GLM", std::regex("(fmt|tbb|nlohmann|CLI|hwy|Eigen|boost|opencv2).*"),
-       std::regex("(patches/io|tess|raytracer)/.*")},
+       std::regex("(patches/files|patches/io|tess|raytracer)/.*")},
       {"files, threads and printing",
        std::regex(
            "fstream|iostream|ostream|istream|cstdio|stdio.h|filesystem|thread|mutex|shared_mutex|future|atomic|unistd.h|fcntl.h|sys/.*"),
-       std::regex("(patches/io|tess|raytracer)/.*|patches/base/check\\.h")},
+       std::regex("(patches/files|patches/io|tess|raytracer)/.*|patches/base/check\\.h")},
   };
   return all;
 }
@@ -145,6 +148,8 @@ TEST(Arrows, PlantedWrongIncludesAreCaught) {
       {"patches/cells.cpp", "<fstream>"},
       {"patches/brep.cpp", "<gp_Pnt.hxx>"},
       {"patches/brep.cpp", "<patches/base/vec.h>"},
+      {"patches/cells.cpp", "\"patches/files/output_file.h\""},
+      {"patches/files/output_file.cpp", "\"patches/brep.h\""},
       {"patches/io/read_model.cpp", "<TopoDS_Shape.hxx>"},
       {"patches/io/read_obj.cpp", "\"tess/mesh.h\""},
       {"tess/mesh.cpp", "\"raytracer/tracer.h\""},

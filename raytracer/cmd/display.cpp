@@ -1,9 +1,9 @@
 // `isophote display IN.exr -o out.png`: a picture for the screen.
 #include <memory>
 
+#include "patches/files/output_file.h"
 #include "raytracer/cmd/command.h"
 #include "raytracer/display_transform.h"
-#include "raytracer/output_file.h"
 
 namespace iso {
 namespace {

@@ -5,6 +5,7 @@
 
 #include <chrono>
 
+#include "patches/files/output_file.h"
 #include "raytracer/cmd/command.h"
 #include "raytracer/cmd/interrupt.h"
 #include "raytracer/cmd/load_models.h"
@@ -12,7 +13,6 @@
 #include "raytracer/cmd/report.h"
 #include "raytracer/exr_writer.h"
 #include "raytracer/framing.h"
-#include "raytracer/output_file.h"
 #include "raytracer/progress.h"
 
 namespace iso {

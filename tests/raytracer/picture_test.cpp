@@ -5,10 +5,10 @@
 #include <random>
 #include <set>
 
+#include "patches/files/output_file.h"
 #include "raytracer/camera.h"
 #include "raytracer/exr_writer.h"
 #include "raytracer/filter.h"
-#include "raytracer/output_file.h"
 #include "raytracer/ray_text.h"
 #include "raytracer/sampling.h"
 
