@@ -24,6 +24,9 @@ std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return (static_cast<std
 // A triangle of which a side is longer than this many cells of the sampling grid takes another point without a look at its bound.
 constexpr double kManyCells = 2.0;
 
+// Nearer than this share of the coordinates' size to a crease is on it.
+constexpr double kOnCrease = 1e-12;
+
 // Triangles smaller than this share of the tolerance are not divided further.
 constexpr double kLeastSize = 0.05;
 
@@ -35,7 +38,7 @@ class FaceMesher {
   FaceMesh mesh(const std::vector<std::vector<int>>& loops, const std::vector<UV>& extra) {
     collect_border(loops);
     if (mesh_.nodes.size() < 3) return std::move(mesh_);
-    const SampleGrids grids = sample_grids(shape_, domain_, (getenv("GS") ? atof(getenv("GS")) : 0.95) * policy_.distance);
+    const SampleGrids grids = sample_grids(shape_, domain_, grid_share() * policy_.distance);
     scale_ = grids.scale;
     make_triangulation();
     if (!mesh_.to_split.empty()) return std::move(mesh_);
@@ -43,6 +46,7 @@ class FaceMesher {
     for (const UV& uv : extra) add_inner(uv, true);
     if (getenv("DBG")) { double n = 0; for (auto& g : grids.grids) n += double(g.columns) * g.rows; fprintf(stderr, "face %p %s: %zu grids, %g cells, border %zu scale %g %g\n", (const void*)&shape_, kind_name(shape_.face().surface), grids.grids.size(), n, mesh_.border, scale_.x, scale_.y); }
     for (const SampleGrid& grid : grids.grids) add_grid(grid);
+    constrain_creases();
     if (getenv("DBG")) fprintf(stderr, "   nodes %zu\n", mesh_.nodes.size());
     refine();
     if (!mesh_.to_split.empty()) return std::move(mesh_);
@@ -53,8 +57,9 @@ class FaceMesher {
  private:
   using Corners = Triangulation::Triangle;
 
-  // Interior triangles are meant to use the whole tolerance; the grid leaves a little for what the triangulation makes of it.
-  static constexpr double kGridShare = 0.95;
+  // Closed forms are sampled by the grid alone, with a little left for what the triangulation makes of it. Elsewhere the bound over a whole
+  // cell is far above what a triangle in it needs: the grid only starts what refinement ends.
+  double grid_share() const { return shape_.bend().cells() == 0 ? 0.95 : 8.0; }
 
   // ---- border ----
 
@@ -155,7 +160,7 @@ class FaceMesher {
     located_ = at.triangle;
     const Corners& t = triangulation_->triangles()[at.triangle];
     if (at.place == Triangulation::Place::Vertex) return false;
-    if (at.place == Triangulation::Place::Edge && (t.constrained >> at.k & 1)) return false;
+    if (at.place == Triangulation::Place::Edge && is_border(t, at.k)) return false;
     return t.inside;
   }
 
@@ -186,6 +191,28 @@ class FaceMesher {
     }
   }
 
+  // The surface has no second derivative across a crease: no triangle may lie on both its sides.
+  void constrain_creases() {
+    for (int axis = 0; axis < 2; ++axis)
+      for (const double crease : axis == 0 ? shape_.bend().creases_u() : shape_.bend().creases_v()) constrain_crease(axis, crease);
+  }
+
+  void constrain_crease(int axis, double crease) {
+    const double slack = kOnCrease * std::max(std::abs(domain_.lo[axis]), std::abs(domain_.hi[axis]));
+    std::vector<std::pair<double, std::uint32_t>> along;
+    for (std::uint32_t vertex = 0; vertex < node_of_.size(); ++vertex)
+      if (node_of_[vertex] != Triangulation::kNone && std::abs(node(vertex).uv[axis] - crease) <= slack)
+        along.push_back({node(vertex).uv[1 - axis], vertex});
+    std::sort(along.begin(), along.end());
+    for (std::size_t i = 0; i + 1 < along.size(); ++i) {
+      const std::uint32_t a = along[i].second, b = along[i + 1].second;
+      if (border_.count(key_of(a, b))) continue;
+      near_ = a;
+      const Triangulation::Location at = triangulation_->locate(0.5 * (node(a).uv + node(b).uv) * scale_, a);
+      if (at.place != Triangulation::Place::Outside && triangulation_->triangles()[at.triangle].inside) triangulation_->constrain(a, b);
+    }
+  }
+
   // ---- refinement ----
 
   const MeshNode& node(std::uint32_t vertex) const { return mesh_.nodes[node_of_[vertex]]; }
@@ -197,6 +224,12 @@ class FaceMesher {
   bool same_point(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t na = node_of_[a], nb = node_of_[b];
     return na < mesh_.border && nb < mesh_.border && mesh_.nodes[na].point == mesh_.nodes[nb].point;
+  }
+
+  // Whether the side opposite of corner k is a segment of the border; creases are constrained too, but may be divided.
+  bool is_border(const Corners& t, int k) const {
+    return (t.constrained >> k & 1) &&
+           border_.count(key_of(t.v[static_cast<std::size_t>((k + 1) % 3)], t.v[static_cast<std::size_t>((k + 2) % 3)]));
   }
 
   double sliver_of(const Corners& t) const {
@@ -261,10 +294,7 @@ class FaceMesher {
       const Vec2 d = points[a] - points[b];
       const double length = glm::dot(d, d);
       if (length <= longest) continue;
-      if (t.constrained >> k & 1) {
-        const auto at = border_.find(key_of(a, b));
-        if (at == border_.end() || !at->second.degenerate || length < 1) continue;
-      }
+      if (is_border(t, k) && (length < 1 || !border_.at(key_of(a, b)).degenerate)) continue;
       longest = length;
       best = k;
     }
@@ -273,7 +303,7 @@ class FaceMesher {
       uv = (node(t.v[0]).uv + node(t.v[1]).uv + node(t.v[2]).uv) / 3.0;
     } else {
       const std::uint32_t a = t.v[static_cast<std::size_t>((best + 1) % 3)], b = t.v[static_cast<std::size_t>((best + 2) % 3)];
-      if (t.constrained >> best & 1) {
+      if (is_border(t, best)) {
         mesh_.to_split.push_back(border_.at(key_of(a, b)).at);
         return false;
       }
