@@ -22,6 +22,11 @@ bool has_closed_form_bend(const AnySurface& surface);
 // the second form. Infinite if the strays may make the first form singular.
 double curvature_bound(const Vec3& Su, const Vec3& Sv, double stray_u, double stray_v, const Bend& bend);
 
+// Knots between pieces across which the first derivative jumps by more than rounding; `size`: of the coordinates. The pieces are a grid, u
+// outside; `size` of a jump: the supremum of |S+ - S-| along the knot.
+std::vector<KnotJump> knot_jumps(const std::vector<BezierPiece>& pieces, int count_u, int count_v, int direction, double size);
+std::vector<KnotJump> knot_jumps(const std::vector<BezierSpan<Vec3>>& spans, double size);
+
 // A net of homogeneous coefficients, like that of BezierPatch; of any degree from 0.
 struct HomogeneousNet {
   int pu = 0, pv = 0;
