@@ -17,6 +17,8 @@ constexpr double kSpread = 0.3;
 constexpr double kNegligible = 0.1;
 // ... or when all that the cell bends is this share of the tolerance: triangles are larger.
 constexpr double kFlat = 0.25;
+// Tangents turn by no more than an angle of this tangent about their middle: bounds of curvatures would be loose.
+constexpr double kMostTurn = 0.3;
 // The tolerance if none is given, as a share of the surface's size.
 constexpr double kUsualTolerance = 1e-4;
 // Divisions below a span; fewer where there are many spans, so that the tree stays below 2^kMostCells cells.
@@ -24,7 +26,7 @@ constexpr int kMostLevels = 12, kFewestLevels = 4, kMostCells = 18;
 // On the way to a singular point, where the normal stays without bound.
 constexpr int kSingularLevels = 8;
 // Whether the bounds over a cell of this width are as tight as wanted.
-bool settled(const Bend& b, const Vec2& width, double flat) {
+bool settled(const Bend& b, const Vec2& width, double flat, double turn = 0) {
   const std::array<const Range*, 3> ranges{&b.uu, &b.uv, &b.vv};
   const std::array<double, 3> weight{width.x * width.x, 2 * width.x * width.y, width.y * width.y};
   std::array<double, 3> most{};
@@ -36,6 +38,7 @@ bool settled(const Bend& b, const Vec2& width, double flat) {
   }
   if (!finite(largest)) sum = b.Muu * weight[0] + b.Muv * weight[1] + b.Mvv * weight[2];
   if (sum <= 8 * flat || !finite(largest)) return sum <= 8 * flat;
+  if (turn > kMostTurn) return false;
   for (std::size_t k = 0; k < 3; ++k)
     if (weight[k] * ranges[k]->width() > std::max(kSpread * most[k], kNegligible * largest)) return false;
   return true;
@@ -120,7 +123,8 @@ class BendTreeBuilder {
 std::int32_t BendTreeBuilder::over_patch(const BezierPatch& patch, const Box2& box, int levels) {
   const PatchBend::Result r = cell_.bound(patch, rational_, rounding_);
   const std::int32_t node = add(scaled(r.bend, box.size()));
-  if (levels >= (r.bounded ? most_levels_ : std::min(most_levels_, kSingularLevels)) || settled(r.bend, Vec2(1.0), flat_)) return node;
+  if (levels >= (r.bounded ? most_levels_ : std::min(most_levels_, kSingularLevels)) || settled(r.bend, Vec2(1.0), flat_, r.turn))
+    return node;
   const int direction = r.along_s >= r.along_t ? 0 : 1;
   const double at = box.middle()[direction];
   if (!(box.lo[direction] < at && at < box.hi[direction])) return node;
