@@ -10,34 +10,37 @@ namespace iso {
 
 namespace {
 
-// A cell is done when the spread of an entry is this share of its largest magnitude ...
-constexpr double kSpread = 0.2;
-// ... or when the entry moves a point by less than this share of what the largest entry does ...
-constexpr double kNegligible = 0.05;
-// ... or when the spreads together move no point by more than this share of the surface's size.
-constexpr double kFlat = 1e-5;
+// A cell is done when the spread of an entry is this share of its largest magnitude (on models of all kinds 0.2 makes 1.5 to 2 times the
+// cells), ...
+constexpr double kSpread = 0.3;
+// ... or when it moves a point by less than this share of what the largest entry does over the cell; ...
+constexpr double kNegligible = 0.1;
+// ... or when all that the cell bends is this share of the tolerance: triangles are larger.
+constexpr double kFlat = 0.25;
+// Tangents turn by no more than an angle of this tangent about their middle: bounds of curvatures would be loose.
+constexpr double kMostTurn = 0.3;
+// The tolerance if none is given, as a share of the surface's size.
+constexpr double kUsualTolerance = 1e-4;
 // Divisions below a span; fewer where there are many spans, so that the tree stays below 2^kMostCells cells.
 constexpr int kMostLevels = 12, kFewestLevels = 4, kMostCells = 18;
 // On the way to a singular point, where the normal stays without bound.
 constexpr int kSingularLevels = 8;
-// Tangents of two spans at their knot differ if they do by more than rounding: as a share of the coordinates, over the spans' widths.
-constexpr double kJump = 1e-12;
-
 // Whether the bounds over a cell of this width are as tight as wanted.
-bool settled(const Bend& b, const Vec2& width, double size) {
+bool settled(const Bend& b, const Vec2& width, double flat, double turn = 0) {
   const std::array<const Range*, 3> ranges{&b.uu, &b.uv, &b.vv};
   const std::array<double, 3> weight{width.x * width.x, 2 * width.x * width.y, width.y * width.y};
   std::array<double, 3> most{};
-  double largest = 0, spread = 0;
+  double largest = 0, sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     most[k] = weight[k] * std::max(std::abs(ranges[k]->lo), std::abs(ranges[k]->hi));
     largest = std::max(largest, most[k]);
-    spread += weight[k] * ranges[k]->width();
+    sum += most[k];
   }
-  if (!finite(largest)) return b.Muu * weight[0] + b.Muv * weight[1] + b.Mvv * weight[2] <= 8 * kFlat * size;
-  if (spread <= 8 * kFlat * size) return true;
+  if (!finite(largest)) sum = b.Muu * weight[0] + b.Muv * weight[1] + b.Mvv * weight[2];
+  if (sum <= 8 * flat || !finite(largest)) return sum <= 8 * flat;
+  if (turn > kMostTurn) return false;
   for (std::size_t k = 0; k < 3; ++k)
-    if (most[k] > kNegligible * largest && weight[k] * ranges[k]->width() > kSpread * most[k]) return false;
+    if (weight[k] * ranges[k]->width() > std::max(kSpread * most[k], kNegligible * largest)) return false;
   return true;
 }
 
@@ -58,7 +61,7 @@ double length_of_coordinates(const Box3& box) { return glm::length(glm::max(glm:
 
 class BendTreeBuilder {
  public:
-  explicit BendTreeBuilder(BendTree& tree) : tree_(tree) {}
+  BendTreeBuilder(BendTree& tree, double tolerance) : tree_(tree), tolerance_(tolerance) {}
 
   void build(const NurbsSurface& surface, const Box2& domain);
   void build(const Revolution& surface, const Box2& domain);
@@ -87,62 +90,41 @@ class BendTreeBuilder {
     if (n.cut == BendTree::Cut::crease) n.bend = unbounded_bend();
   }
 
-  void find_creases(int direction);
-  bool is_crease(int direction, double at) const {
+  void set_jumps(int direction, std::vector<KnotJump> jumps) {
+    for (const KnotJump& j : jumps)
+      if (j.crease) (direction == 0 ? tree_.creases_u_ : tree_.creases_v_).push_back(j.at);
+    tree_.jumps_[direction] = std::move(jumps);
+  }
+  BendTree::Cut kind_of_knot(int direction, double at) const {
     const std::vector<double>& creases = direction == 0 ? tree_.creases_u_ : tree_.creases_v_;
-    return std::find(creases.begin(), creases.end(), at) != creases.end();
+    return std::binary_search(creases.begin(), creases.end(), at) ? BendTree::Cut::crease : BendTree::Cut::knot;
   }
   std::int32_t over_spans(const Spans& spans);
   std::int32_t over_patch(const BezierPatch& patch, const Box2& box, int levels);
   const BezierPiece& piece(int u, int v) const { return pieces_[static_cast<std::size_t>(u) * count_v_ + v]; }
 
-  void find_profile_creases(const std::vector<BezierSpan<Vec3>>& spans);
   std::int32_t over_profiles(std::size_t begin, std::size_t end);
   std::int32_t over_profile(const std::vector<Vec4>& points, const Range& v, int levels);
 
   BendTree& tree_;
+  double tolerance_ = 0;
   PatchBend cell_;
   std::vector<BezierPiece> pieces_;
   int count_u_ = 0, count_v_ = 0;
   int most_levels_ = kMostLevels;
   bool rational_ = false;
-  double size_ = 0, rounding_ = 0;
+  double size_ = 0, rounding_ = 0, flat_ = 0;
   const Revolution* turned_ = nullptr;
   std::vector<BezierSpan<Vec3>> profile_;
 };
 
 // ---- NURBS -------------------------------------------------------------------------------------------------------------
 
-// The derivatives across the border differ if any of the border's rows of coefficients tells so. Homogeneous pieces agree in the point
-// there up to a factor, so that differences about it give the derivative.
-void BendTreeBuilder::find_creases(int direction) {
-  const int along = direction == 0 ? count_u_ : count_v_, across = direction == 0 ? count_v_ : count_u_;
-  for (int k = 1; k < along; ++k) {
-    bool jumps = false;
-    double at = 0;
-    for (int l = 0; l < across && !jumps; ++l) {
-      const BezierPiece &low = direction == 0 ? piece(k - 1, l) : piece(l, k - 1), &high = direction == 0 ? piece(k, l) : piece(l, k);
-      const int p = direction == 0 ? low.patch.pu : low.patch.pv, q = direction == 0 ? low.patch.pv : low.patch.pu;
-      const ParamMap &map_low = direction == 0 ? low.u : low.v, &map_high = direction == 0 ? high.u : high.v;
-      at = map_high.a;
-      const double width_low = map_low.b - map_low.a, width_high = map_high.b - map_high.a;
-      for (int j = 0; j <= q && !jumps; ++j) {
-        const auto of = [&](const BezierPatch& b, int i) { return direction == 0 ? b.at(i, j) : b.at(j, i); };
-        const Vec4 border = of(high.patch, 0), before = of(low.patch, p - 1), after = of(high.patch, 1);
-        const Vec4 rise = (of(low.patch, p) - before) / width_low, next = (after - border) / width_high;
-        const double tolerance =
-            kJump * length_of_coordinates(Box3{Vec3(-size_), Vec3(size_)}) * border.w * (1 / width_low + 1 / width_high);
-        jumps = glm::length(Vec3(next - rise)) > tolerance || std::abs(next.w - rise.w) * size_ > tolerance;
-      }
-    }
-    if (jumps) (direction == 0 ? tree_.creases_u_ : tree_.creases_v_).push_back(at);
-  }
-}
-
 std::int32_t BendTreeBuilder::over_patch(const BezierPatch& patch, const Box2& box, int levels) {
   const PatchBend::Result r = cell_.bound(patch, rational_, rounding_);
   const std::int32_t node = add(scaled(r.bend, box.size()));
-  if (levels >= (r.bounded ? most_levels_ : std::min(most_levels_, kSingularLevels)) || settled(r.bend, Vec2(1.0), size_)) return node;
+  if (levels >= (r.bounded ? most_levels_ : std::min(most_levels_, kSingularLevels)) || settled(r.bend, Vec2(1.0), flat_, r.turn))
+    return node;
   const int direction = r.along_s >= r.along_t ? 0 : 1;
   const double at = box.middle()[direction];
   if (!(box.lo[direction] < at && at < box.hi[direction])) return node;
@@ -164,11 +146,11 @@ std::int32_t BendTreeBuilder::over_spans(const Spans& s) {
   if (nu >= nv) {
     low.u1 = high.u0 = s.u0 + nu / 2;
     const double at = piece(high.u0, 0).u.a;
-    cut(node, 0, at, is_crease(0, at) ? BendTree::Cut::crease : BendTree::Cut::knot);
+    cut(node, 0, at, kind_of_knot(0, at));
   } else {
     low.v1 = high.v0 = s.v0 + nv / 2;
     const double at = piece(0, high.v0).v.a;
-    cut(node, 1, at, is_crease(1, at) ? BendTree::Cut::crease : BendTree::Cut::knot);
+    cut(node, 1, at, kind_of_knot(1, at));
   }
   over_spans(low);
   join(node, over_spans(high));
@@ -191,27 +173,14 @@ void BendTreeBuilder::build(const NurbsSurface& surface, const Box2& domain) {
       if (!rational_) h /= h.w;
     }
   size_ = box.diagonal();
+  flat_ = kFlat * (tolerance_ > 0 ? tolerance_ : kUsualTolerance * size_);
   rounding_ = kEps * coordinates + 16 * kEps * size_;
   most_levels_ = std::clamp(kMostCells - static_cast<int>(std::bit_width(pieces_.size())), kFewestLevels, kMostLevels);
-  find_creases(0);
-  find_creases(1);
+  for (const int direction : {0, 1}) set_jumps(direction, knot_jumps(pieces_, count_u_, count_v_, direction, size_));
   over_spans({0, count_u_, 0, count_v_});
 }
 
 // ---- revolutions -------------------------------------------------------------------------------------------------------
-
-void BendTreeBuilder::find_profile_creases(const std::vector<BezierSpan<Vec3>>& spans) {
-  for (std::size_t k = 1; k < spans.size(); ++k) {
-    const auto &low = spans[k - 1], &high = spans[k];
-    const double width_low = low.map.b - low.map.a, width_high = high.map.b - high.map.a;
-    const auto p = static_cast<double>(low.points.size() - 1);
-    const Vec4 &end = low.points.back(), &start = high.points.front(), &before = *(low.points.end() - 2), &after = high.points[1];
-    const Vec3 rise = p * before.w / end.w * (project(end) - project(before)) / width_low;
-    const Vec3 next = p * after.w / start.w * (project(after) - project(start)) / width_high;
-    const double tolerance = kJump * size_ * p * (1 / width_low + 1 / width_high);
-    if (glm::length(next - rise) > tolerance) tree_.creases_v_.push_back(high.map.a);
-  }
-}
 
 // Triangles are about as wide as they are high: that is the width in u to weigh the entries by.
 std::int32_t BendTreeBuilder::over_profile(const std::vector<Vec4>& points, const Range& v, int levels) {
@@ -223,7 +192,7 @@ std::int32_t BendTreeBuilder::over_profile(const std::vector<Vec4>& points, cons
   const double around = (glm::length(balls.Ct) + balls.stray_t) * v.width() / bend.Muu;
   const bool bounded = finite(bend.uu.lo);
   if (levels >= (bounded ? most_levels_ : std::min(most_levels_, kSingularLevels)) || !(bend.Muu > 0) ||
-      settled(bend, {std::min(around, 1.0), v.width()}, size_))
+      settled(bend, {std::min(around, 1.0), v.width()}, flat_))
     return node;
   const double at = v.middle();
   if (!(v.lo < at && at < v.hi)) return node;
@@ -240,7 +209,7 @@ std::int32_t BendTreeBuilder::over_profiles(std::size_t begin, std::size_t end) 
   const std::int32_t node = add({});
   const std::size_t middle = begin + (end - begin) / 2;
   const double at = profile_[middle].map.a;
-  cut(node, 1, at, is_crease(1, at) ? BendTree::Cut::crease : BendTree::Cut::knot);
+  cut(node, 1, at, kind_of_knot(1, at));
   over_profiles(begin, middle);
   join(node, over_profiles(middle, end));
   return node;
@@ -250,10 +219,11 @@ void BendTreeBuilder::build(const Revolution& surface, const Box2& domain) {
   turned_ = &surface;
   const Box3 box = bounds(surface, domain);
   size_ = box.diagonal();
+  flat_ = kFlat * (tolerance_ > 0 ? tolerance_ : kUsualTolerance * size_);
   rounding_ = 16 * kEps * (length_of_coordinates(box) + glm::length(surface.O));
   if (const auto* n = std::get_if<NurbsCurve<Vec3>>(&surface.profile)) {
     profile_ = bezier_spans(surface.profile, domain.lo.y, domain.hi.y);
-    find_profile_creases(profile_);
+    set_jumps(1, knot_jumps(profile_, size_));
     most_levels_ = std::clamp(kMostCells - static_cast<int>(std::bit_width(n->poles.size())), kFewestLevels, kMostLevels);
   } else {
     profile_.push_back({{}, {ParamMap::Kind::affine, domain.lo.y, domain.hi.y}});
@@ -282,9 +252,9 @@ NurbsSurface as_nurbs(const Extrusion& s, const Range& v) {
 
 }  // namespace
 
-BendTree::BendTree(const AnySurface& surface, const Box2& domain) : domain_(domain) {
+BendTree::BendTree(const AnySurface& surface, const Box2& domain, double tolerance) : domain_(domain) {
   touch_ = 16 * kEps * glm::max(glm::abs(domain.lo), glm::abs(domain.hi));
-  BendTreeBuilder builder(*this);
+  BendTreeBuilder builder(*this, tolerance);
   if (has_closed_form_bend(surface))
     closed_form_ = surface;
   else if (const auto* extrusion = std::get_if<Extrusion>(&surface))
@@ -321,11 +291,23 @@ void BendTree::gather(std::int32_t index, Box2 cell, const Box2& uv, Bend& sum) 
   }
 }
 
-Bend BendTree::over(const Box2& uv) const {
+// The jumps inside a box.
+double BendTree::kinks(int direction, const Box2& uv) const {
+  const std::vector<KnotJump>& jumps = jumps_[direction];
+  const double lo = uv.lo[direction] + touch_[direction], hi = uv.hi[direction] - touch_[direction];
+  double sum = 0;
+  auto at = std::upper_bound(jumps.begin(), jumps.end(), lo, [](double x, const KnotJump& j) { return x < j.at; });
+  for (; at != jumps.end() && at->at < hi; ++at) sum += at->crease ? kInf : at->size;
+  return sum;
+}
+
+BoxBend BendTree::over(const Box2& uv) const {
   const Box2 part{glm::clamp(uv.lo, domain_.lo, domain_.hi), glm::clamp(uv.hi, domain_.lo, domain_.hi)};
-  if (nodes_.empty()) return closed_form_bend(closed_form_, part).value_or(unbounded_bend());
-  Bend sum;
+  if (nodes_.empty()) return {closed_form_bend(closed_form_, part).value_or(unbounded_bend())};
+  BoxBend sum;
   gather(0, domain_, part, sum);
+  sum.kink_u = kinks(0, part);
+  sum.kink_v = kinks(1, part);
   return sum;
 }
 

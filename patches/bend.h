@@ -13,10 +13,24 @@ namespace iso {
 // Proven for all points of a box of (u, v) where Su x Sv does not vanish.
 struct Bend {
   Range uu, uv, vv;                  // of n . Suu, n . Suv, n . Svv, with n = Su x Sv / |Su x Sv|; [-inf, inf] where n has no bound
-  double Muu = 0, Muv = 0, Mvv = 0;  // suprema of |Suu|, |Suv|, |Svv|; infinite across a knot where the first derivative jumps
+  double Muu = 0, Muv = 0, Mvv = 0;  // suprema of |Suu|, |Suv|, |Svv|; infinite across a crease
   double curvature = 0;              // supremum of the absolute normal curvature; infinite at poles and other singular points
 
   void include(const Bend& other);
+};
+
+// What `over` returns: also the sums of the jumps |S+ - S-| of Su, of Sv, over the knots strictly inside the box where the tangent plane is
+// continuous and only the parametrisation has a kink: common where exporters chain spans with G1. S'' knows nothing of a jump: S - L gains
+// up to (kink_u du + kink_v dv) / 4 for a triangle of the extents (du, dv), tangentially at the knots, so that along a normal of a point of
+// the triangle it counts only by the sine of the angle between that normal and those at the knots.
+struct BoxBend : Bend {
+  double kink_u = 0, kink_v = 0;
+};
+
+// A knot where the first derivative across it jumps.
+struct KnotJump {
+  double at = 0, size = 0;
+  bool crease = false;  // the tangent plane jumps too
 };
 
 // Divides the domain once, until the bounds of a cell are tight (the spread of each range small against its largest magnitude in it), then
@@ -28,14 +42,15 @@ struct Bend {
 // infinite ranges and curvature, but finite M; so do cones and spindle tori for boxes that cross the apex, where n turns over.
 class BendTree {
  public:
-  // `domain` is finite; what lies beyond a NURBS's own domain is continued by its end spans.
-  BendTree(const AnySurface& surface, const Box2& domain);
+  // `domain` is finite; what lies beyond a NURBS's own domain is continued by its end spans. `tolerance` (world units; 0: a ten thousandth
+  // of the surface's size): cells that bend much less than it are not divided, since triangles will be larger than they.
+  BendTree(const AnySurface& surface, const Box2& domain, double tolerance = 0);
 
   // Of the part of `uv` that lies in the domain (widened by rounding); `uv` may reach beyond it by rounding only. A box that reaches across
   // a knot by rounding only lies on one side of it. May be called by many threads.
-  Bend over(const Box2& uv) const;
+  BoxBend over(const Box2& uv) const;
 
-  // Knots inside the domain where the first derivative jumps (by direction or by speed), per direction, rising.
+  // Knots inside the domain where the tangent plane jumps, per direction, rising.
   const std::vector<double>& creases_u() const { return creases_u_; }
   const std::vector<double>& creases_v() const { return creases_v_; }
 
@@ -56,12 +71,14 @@ class BendTree {
   };
   static_assert(sizeof(Node) <= 96);
 
+  double kinks(int direction, const Box2& uv) const;
   void gather(std::int32_t node, Box2 cell, const Box2& uv, Bend& sum) const;
 
   AnySurface closed_form_;  // where there are no nodes
   Box2 domain_;
   Vec2 touch_{0.0};  // closer than this to a knot is on it
   std::vector<Node> nodes_;
+  std::vector<KnotJump> jumps_[2];  // rising
   std::vector<double> creases_u_, creases_v_;
 };
 

@@ -2,9 +2,10 @@
 // polynomials whose coefficients bound them, and m . Su, m . Sv tell how far m is from being normal, which is of second order in the size
 // of the patch. So the bounds close in quadratically.
 //
-// Rational patches: with H = (P - c w, w) and c the middle, w Suu = Huu - 2 wu Su - wuu (S - c) and so on, where all terms but the first
-// are nearly tangential. Quotients of polynomials of one degree lie between the quotients of their coefficients, as the weights are
-// positive.
+// Rational patches: with L = c + s A + t B, the linear model about the middle, and H = (P - L w, w):
+//   w Su = (Hu + A w) - wu (S - L)      w Suu = (Huu + 2 wu A) - 2 wu Su - wuu (S - L)      and so on;
+// S - L is small of second order, and Su nearly tangential. Quotients of polynomials of one degree lie between the quotients of their
+// coefficients, as the weights are positive.
 #include "patches/bend_cell.h"
 
 #include "patches/base/bspline_basis.h"
@@ -30,27 +31,32 @@ void difference(const HomogeneousNet& f, int direction, HomogeneousNet& out) {
     }
 }
 
-// The same polynomial of higher degree, in place.
+// The same polynomial of higher degree, in place: rows grow from their ends, so that nothing is overwritten before it is used.
 void raise(HomogeneousNet& f, int pu, int pv) {
+  const auto lerp = [](const Vec4& before, const Vec4& at, int i, int degree) {
+    const double share = static_cast<double>(i) / degree;
+    return share * before + (1 - share) * at;
+  };
   for (; f.pv < pv; ++f.pv) {
-    std::vector<Vec4> c;
-    for (int i = 0; i <= f.pu; ++i)
-      for (int j = 0; j <= f.pv + 1; ++j) {
-        const double share = static_cast<double>(j) / (f.pv + 1);
-        const Vec4* row = &f.c[static_cast<std::size_t>(i) * (f.pv + 1)];
-        c.push_back((j > 0 ? share * row[j - 1] : Vec4(0.0)) + (j <= f.pv ? (1 - share) * row[j] : Vec4(0.0)));
-      }
-    f.c = std::move(c);
+    const std::size_t old = static_cast<std::size_t>(f.pv) + 1;
+    f.c.resize((static_cast<std::size_t>(f.pu) + 1) * (old + 1));
+    for (std::size_t i = static_cast<std::size_t>(f.pu) + 1; i-- > 0;) {
+      const Vec4* from = &f.c[i * old];
+      Vec4* to = &f.c[i * (old + 1)];
+      to[old] = from[old - 1];
+      for (std::size_t j = old - 1; j > 0; --j) to[j] = lerp(from[j - 1], from[j], static_cast<int>(j), f.pv + 1);
+      to[0] = from[0];
+    }
   }
+  const std::size_t row = static_cast<std::size_t>(f.pv) + 1;
   for (; f.pu < pu; ++f.pu) {
-    std::vector<Vec4> c;
-    for (int i = 0; i <= f.pu + 1; ++i)
-      for (int j = 0; j <= pv; ++j) {
-        const double share = static_cast<double>(i) / (f.pu + 1);
-        const std::size_t at = static_cast<std::size_t>(i) * (pv + 1) + j, above = at - (static_cast<std::size_t>(pv) + 1);
-        c.push_back((i > 0 ? share * f.c[above] : Vec4(0.0)) + (i <= f.pu ? (1 - share) * f.c[at] : Vec4(0.0)));
-      }
-    f.c = std::move(c);
+    const std::size_t old = static_cast<std::size_t>(f.pu) + 1;
+    f.c.resize((old + 1) * row);
+    for (std::size_t j = 0; j < row; ++j) {
+      f.c[old * row + j] = f.c[(old - 1) * row + j];
+      for (std::size_t i = old - 1; i > 0; --i)
+        f.c[i * row + j] = lerp(f.c[(i - 1) * row + j], f.c[i * row + j], static_cast<int>(i), f.pu + 1);
+    }
   }
 }
 
@@ -67,61 +73,89 @@ void PatchBend::load(const BezierPatch& patch) {
   S_.pu = patch.pu;
   S_.pv = patch.pv;
   S_.c = patch.net;
-  if (rational_) {
-    const Vec3 middle = project(homogeneous_jet(patch, {0.5, 0.5}).H);
-    for (Vec4& h : S_.c) h -= Vec4(h.w * middle, 0.0);
-  }
+  Vec3 A{0.0}, B{0.0};
+  if (rational_) subtract_model(patch, A, B);
   difference(S_, 0, Su_);
   difference(S_, 1, Sv_);
   difference(Su_, 0, Suu_);
   difference(Su_, 1, Suv_);
   difference(Sv_, 1, Svv_);
   if (!rational_) return;
-  for (HomogeneousNet* f : {&Su_, &Sv_, &Suu_, &Suv_, &Svv_}) raise(*f, patch.pu, patch.pv);
+  for (HomogeneousNet* f : {&Su_, &Sv_, &Suu_, &Suv_, &Svv_}) raise(*f, S_.pu, S_.pv);
   set_weights();
+  for (std::size_t i = 0; i < S_.c.size(); ++i) {
+    const double w = S_.c[i].w, wu = Su_.c[i].w, wv = Sv_.c[i].w;
+    Su_.c[i] += Vec4(w * A, 0.0);
+    Sv_.c[i] += Vec4(w * B, 0.0);
+    Suu_.c[i] += Vec4(2 * wu * A, 0.0);
+    Suv_.c[i] += Vec4(wu * B + wv * A, 0.0);
+    Svv_.c[i] += Vec4(2 * wv * B, 0.0);
+  }
+}
+
+// S_ becomes that of S - L, one degree higher.
+void PatchBend::subtract_model(const BezierPatch& patch, Vec3& A, Vec3& B) {
+  const HomogeneousJet j = homogeneous_jet(patch, {0.5, 0.5});
+  const Vec3 middle = project(j.H);
+  A = (Vec3(j.Hs) - j.Hs.w * middle) / j.H.w;
+  B = (Vec3(j.Ht) - j.Ht.w * middle) / j.H.w;
+  for (Vec4& h : S_.c) h -= Vec4(h.w * (middle - 0.5 * (A + B)), 0.0);
+  raise(S_, patch.pu + 1, patch.pv + 1);
+  // Coefficients of s w and of t w, with weights raised in the other direction.
+  const auto weight = [&](int i, int k) { return i < 0 || k < 0 || i > patch.pu || k > patch.pv ? 0.0 : patch.at(i, k).w; };
+  const double pu = patch.pu + 1, pv = patch.pv + 1;
+  std::size_t at = 0;
+  for (int i = 0; i <= S_.pu; ++i)
+    for (int k = 0; k <= S_.pv; ++k, ++at) {
+      const double a = i / pu, b = k / pv;
+      const double sw = a * (b * weight(i - 1, k - 1) + (1 - b) * weight(i - 1, k));
+      const double tw = b * (a * weight(i - 1, k - 1) + (1 - a) * weight(i, k - 1));
+      S_.c[at] -= Vec4(sw * A + tw * B, 0.0);
+    }
 }
 
 void PatchBend::set_weights() {
-  w_.clear();
-  raised_w_.clear();
+  inverse_w_.clear();
+  inverse_raised_w_.clear();
   radius_ = wu_ = wv_ = wuu_ = wuv_ = wvv_ = 0;
   for (const Vec4& h : S_.c) {
-    w_.push_back(h.w);
+    inverse_w_.push_back(1 / h.w);
     radius_ = std::max(radius_, glm::length(project(h)));
   }
-  HomogeneousNet one_more = S_;
-  raise(one_more, S_.pu + 1, S_.pv + 1);
-  for (const Vec4& h : one_more.c) raised_w_.push_back(h.w);
-  for (std::size_t i = 0; i < w_.size(); ++i) {
-    wu_ = std::max(wu_, std::abs(Su_.c[i].w / w_[i]));
-    wv_ = std::max(wv_, std::abs(Sv_.c[i].w / w_[i]));
-    wuu_ = std::max(wuu_, std::abs(Suu_.c[i].w / w_[i]));
-    wuv_ = std::max(wuv_, std::abs(Suv_.c[i].w / w_[i]));
-    wvv_ = std::max(wvv_, std::abs(Svv_.c[i].w / w_[i]));
+  raised_ = S_;
+  raise(raised_, S_.pu + 1, S_.pv + 1);
+  for (const Vec4& h : raised_.c) inverse_raised_w_.push_back(1 / h.w);
+  for (std::size_t i = 0; i < inverse_w_.size(); ++i) {
+    wu_ = std::max(wu_, std::abs(Su_.c[i].w) * inverse_w_[i]);
+    wv_ = std::max(wv_, std::abs(Sv_.c[i].w) * inverse_w_[i]);
+    wuu_ = std::max(wuu_, std::abs(Suu_.c[i].w) * inverse_w_[i]);
+    wuv_ = std::max(wuv_, std::abs(Suv_.c[i].w) * inverse_w_[i]);
+    wvv_ = std::max(wvv_, std::abs(Svv_.c[i].w) * inverse_w_[i]);
   }
 }
 
-// w Su = Hu - wu (S - c)
-PatchBend::Tangents PatchBend::tangents(const HomogeneousNet& net, double slope, double rounding) const {
+// w Su = (Hu + A w) - wu (S - L)
+PatchBend::Tangents PatchBend::tangents(const HomogeneousNet& net, double slope, double rounding) {
   Tangents t;
   const double ball = slope * radius_ + rounding;
-  const auto at = [&](std::size_t i) { return Vec3(net.c[i]) / (rational_ ? w_[i] : 1.0); };
-  for (std::size_t i = 0; i < net.c.size(); ++i) t.centre += at(i);
-  t.centre /= static_cast<double>(net.c.size());
+  points_.clear();
+  for (std::size_t i = 0; i < net.c.size(); ++i) points_.push_back(rational_ ? Vec3(net.c[i]) * inverse_w_[i] : Vec3(net.c[i]));
+  for (const Vec3& x : points_) t.centre += x;
+  t.centre /= static_cast<double>(points_.size());
   const double length = glm::length(t.centre);
   if (length > 0) t.axis = t.centre / length;
+  double stray2 = 0, across2 = 0;
   t.least = kInf;
-  double across = 0;
-  for (std::size_t i = 0; i < net.c.size(); ++i) {
-    const Vec3 x = at(i);
+  for (const Vec3& x : points_) {
     const double along = glm::dot(x, t.axis);
-    t.stray = std::max(t.stray, glm::length(x - t.centre));
+    const Vec3 off = x - t.centre, across = x - along * t.axis;
+    stray2 = std::max(stray2, glm::dot(off, off));
+    across2 = std::max(across2, glm::dot(across, across));
     t.least = std::min(t.least, along);
-    across = std::max(across, glm::length(x - along * t.axis));
   }
-  t.stray += ball;
+  t.stray = std::sqrt(stray2) + ball;
   t.least -= ball;
-  t.tangent = t.least > 0 ? (across + ball) / t.least : kInf;
+  t.tangent = t.least > 0 ? (std::sqrt(across2) + ball) / t.least : kInf;
   return t;
 }
 
@@ -131,7 +165,7 @@ double PatchBend::supremum(const HomogeneousNet& net, const HomogeneousNet& wa, 
   double most = 0;
   for (std::size_t i = 0; i < net.c.size(); ++i) {
     Vec3 x(net.c[i]);
-    if (rational_) x = (x - wa.c[i].w * A - wb.c[i].w * B) / w_[i];
+    if (rational_) x = (x - wa.c[i].w * A - wb.c[i].w * B) * inverse_w_[i];
     most = std::max(most, glm::dot(x, x));
   }
   return std::sqrt(most);
@@ -171,28 +205,33 @@ bool PatchBend::set_normals() {
   return true;
 }
 
-// The range of m . f over w: coefficients of the product of a bilinear field with a polynomial.
+// The range of m . f over w: coefficients of the product of a bilinear field with a polynomial; first along rows, then across them.
 Range PatchBend::along_normal(const HomogeneousNet& f) {
-  const std::size_t n = f.c.size(), row = static_cast<std::size_t>(f.pv) + 1;
-  dots_.resize(4 * n);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < 4; ++k) dots_[k * n + i] = glm::dot(normals_[k], Vec3(f.c[i]));
-  const double scale = 1.0 / ((f.pu + 1) * (f.pv + 1));
-  Range range;
-  std::size_t out = 0;
-  for (int k = 0; k <= f.pu + 1; ++k)
-    for (int l = 0; l <= f.pv + 1; ++l, ++out) {
-      const double* at = &dots_[0] + static_cast<std::ptrdiff_t>(k * row) + l;
-      double sum = 0;
-      const auto add = [&](int which, int i, int j) {
-        return at[which * static_cast<std::ptrdiff_t>(n) - i * static_cast<std::ptrdiff_t>(row) - j];
-      };
-      if (k <= f.pu && l <= f.pv) sum += (f.pu + 1 - k) * (f.pv + 1 - l) * add(0, 0, 0);
-      if (k <= f.pu && l > 0) sum += (f.pu + 1 - k) * l * add(1, 0, 1);
-      if (k > 0 && l <= f.pv) sum += k * (f.pv + 1 - l) * add(2, 1, 0);
-      if (k > 0 && l > 0) sum += k * l * add(3, 1, 1);
-      range.include(rational_ ? scale * sum / raised_w_[out] : scale * sum);
+  const auto pu = static_cast<std::size_t>(f.pu), pv = static_cast<std::size_t>(f.pv), row = pv + 2;
+  // Rows multiplied by the fields at s = 0 and at s = 1.
+  rows_.assign(2 * (pu + 1) * row, 0.0);
+  double *low = rows_.data(), *high = low + (pu + 1) * row;
+  const double share_v = 1.0 / static_cast<double>(pv + 1), share_u = 1.0 / static_cast<double>(pu + 1);
+  for (std::size_t i = 0; i <= pu; ++i)
+    for (std::size_t j = 0; j <= pv; ++j) {
+      const Vec3 c(f.c[i * (pv + 1) + j]);
+      const double later = static_cast<double>(j + 1) * share_v, same = static_cast<double>(pv + 1 - j) * share_v;
+      const std::size_t at = i * row + j;
+      low[at] += same * glm::dot(normals_[0], c);
+      low[at + 1] += later * glm::dot(normals_[1], c);
+      high[at] += same * glm::dot(normals_[2], c);
+      high[at + 1] += later * glm::dot(normals_[3], c);
     }
+  Range range;
+  for (std::size_t k = 0; k <= pu + 1; ++k) {
+    const double* a = k <= pu ? low + k * row : nullptr;
+    const double* b = k > 0 ? high + (k - 1) * row : nullptr;
+    const double same = static_cast<double>(pu + 1 - k) * share_u, later = static_cast<double>(k) * share_u;
+    for (std::size_t l = 0; l < row; ++l) {
+      const double sum = (a ? same * a[l] : 0.0) + (b ? later * b[l] : 0.0);
+      range.include(rational_ ? sum * inverse_raised_w_[k * row + l] : sum);
+    }
+  }
   return range;
 }
 
@@ -226,6 +265,7 @@ bool PatchBend::bound_second_form(const Tangents& u, const Tangents& v, double r
   bend.uu = range(Suu_, 2 * wu_ * a + wuu_ * s, bend.Muu, pu > 1 || rational_ ? 4 * pu * pu * rounding : 0.0);
   bend.uv = range(Suv_, wu_ * b + wv_ * a + wuv_ * s, bend.Muv, pu > 0 && pv > 0 ? 4 * pu * pv * rounding : 0.0);
   bend.vv = range(Svv_, 2 * wv_ * b + wvv_ * s, bend.Mvv, pv > 1 || rational_ ? 4 * pv * pv * rounding : 0.0);
+  bend.curvature = curvature_bound(u.least, v.least, c, bend);
   return true;
 }
 
@@ -263,10 +303,11 @@ PatchBend::Result PatchBend::bound(const BezierPatch& patch, bool rational, doub
   load(patch);
   Result result;
   const Tangents u = tangents(Su_, wu_, 2 * S_.pu * rounding), v = tangents(Sv_, wv_, 2 * S_.pv * rounding);
+  result.turn = std::max(u.tangent, v.tangent);
   bound_lengths(u, v, rounding, result.bend);
   result.bounded = bound_second_form(u, v, rounding, result.bend);
   if (result.bounded)
-    result.bend.curvature = curvature_bound(u.centre, v.centre, u.stray, v.stray, result.bend);
+    result.bend.curvature = std::min(result.bend.curvature, curvature_bound(u.centre, v.centre, u.stray, v.stray, result.bend));
   else
     result.bend.uu = result.bend.uv = result.bend.vv = kEverything, result.bend.curvature = kInf;
   promise(result);

@@ -22,6 +22,14 @@ bool has_closed_form_bend(const AnySurface& surface);
 // the second form. Infinite if the strays may make the first form singular.
 double curvature_bound(const Vec3& Su, const Vec3& Sv, double stray_u, double stray_v, const Bend& bend);
 
+// Knots between pieces across which the first derivative jumps by more than rounding; `size`: of the coordinates. The pieces are a grid, u
+// outside; `size` of a jump: the supremum of |S+ - S-| along the knot.
+std::vector<KnotJump> knot_jumps(const std::vector<BezierPiece>& pieces, int count_u, int count_v, int direction, double size);
+std::vector<KnotJump> knot_jumps(const std::vector<BezierSpan<Vec3>>& spans, double size);
+
+// The same from least lengths of Su and Sv and the largest absolute cosine between them: better over long pieces whose tangents turn much.
+double curvature_bound(double least_u, double least_v, double cosine, const Bend& bend);
+
 // A net of homogeneous coefficients, like that of BezierPatch; of any degree from 0.
 struct HomogeneousNet {
   int pu = 0, pv = 0;
@@ -35,6 +43,7 @@ class PatchBend {
   struct Result {
     Bend bend;
     bool bounded = false;             // whether the normal is
+    double turn = 0;                  // the larger half angle of the cones of Su and Sv, by its tangent
     double along_s = 0, along_t = 0;  // how much a division in each direction promises
   };
   // `rounding`: of the coordinates of the net.
@@ -48,8 +57,9 @@ class PatchBend {
   };
 
   void load(const BezierPatch& patch);
+  void subtract_model(const BezierPatch& patch, Vec3& A, Vec3& B);
   void set_weights();
-  Tangents tangents(const HomogeneousNet& net, double slope, double rounding) const;
+  Tangents tangents(const HomogeneousNet& net, double slope, double rounding);
   double supremum(const HomogeneousNet& net, const HomogeneousNet& wa, const Vec3& A, const HomogeneousNet& wb, const Vec3& B) const;
   void bound_lengths(const Tangents& u, const Tangents& v, double rounding, Bend& bend) const;
   bool set_normals();
@@ -58,12 +68,14 @@ class PatchBend {
   void promise(Result& result) const;
 
   bool rational_ = false;
-  HomogeneousNet S_, Su_, Sv_, Suu_, Suv_, Svv_;          // about the middle; all of one degree where rational
-  std::vector<double> w_, raised_w_;                      // weights of that degree, and of one more
-  double radius_ = 0;                                     // of S about the middle
+  HomogeneousNet S_, Su_, Sv_, Suu_, Suv_, Svv_;  // where rational: all of one degree, without the linear model
+  HomogeneousNet raised_;
+  std::vector<double> inverse_w_, inverse_raised_w_;      // weights of that degree, and of one more
+  double radius_ = 0;                                     // of S about the linear model
   double wu_ = 0, wv_ = 0, wuu_ = 0, wuv_ = 0, wvv_ = 0;  // suprema of the weight's derivatives over the weight
   Vec3 normals_[4];                                       // corners 00, 01, 10, 11
-  std::vector<double> dots_;
+  std::vector<double> rows_;
+  std::vector<Vec3> points_;
 };
 
 // A curve over an interval: its point and derivatives lie in balls.

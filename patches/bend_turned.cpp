@@ -25,6 +25,17 @@ double curvature_bound(const Vec3& Su, const Vec3& Sv, double stray_u, double st
   return (1 + 64 * kEps) * most / (left * left);
 }
 
+// The larger root of det(K - k I) with the second form K of absolute values and the first form I with the worst sign of its cosine, both by
+// lengths.
+double curvature_bound(double least_u, double least_v, double cosine, const Bend& bend) {
+  const auto most = [](const Range& r) { return std::max(std::abs(r.lo), std::abs(r.hi)); };
+  const double uu = most(bend.uu) / (least_u * least_u), uv = most(bend.uv) / (least_u * least_v), vv = most(bend.vv) / (least_v * least_v);
+  const double area2 = 1 - cosine * cosine;
+  if (!(area2 > 0)) return kInf;
+  const double mean = 0.5 * (uu + vv + 2 * cosine * uv) / area2, gauss = (uu * vv - uv * uv) / area2;
+  return (1 + 64 * kEps / area2) * (mean + std::sqrt(std::max(0.0, mean * mean - gauss)));
+}
+
 namespace {
 
 // A conic by its derivatives in the middle and a bound of the next higher one.
