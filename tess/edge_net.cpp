@@ -9,6 +9,12 @@ namespace {
 // A segment is not split below this share of its edge.
 constexpr double kLeastShare = 1e-7;
 
+// The curve of one use may run ahead of or behind that of another by this share of the edge.
+constexpr double kWithin = 0.25;
+
+// Nearer than this share of the domain's width to a crease is on it.
+constexpr double kOnCrease = 1e-9;
+
 // Pieces into which a segment is cut to bound its distance from the curve.
 constexpr int kPieces = 4;
 
@@ -82,11 +88,21 @@ Point3 EdgeNet::place(int use, const UV& uv) const {
 
 UV EdgeNet::uv_on(int use, double share) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
+  UV uv = matched_uv(use, share);
+  // What is meant to be on a crease is on it.
+  const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
+  for (int axis = 0; axis < 2; ++axis)
+    for (const double crease : axis == 0 ? shape.bend().creases_u() : shape.bend().creases_v())
+      if (std::abs(uv[axis] - crease) <= kOnCrease * shape.face().domain.size()[axis]) uv[axis] = crease;
+  return uv;
+}
+
+UV EdgeNet::matched_uv(int use, double share) const {
+  const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
   if (u.shares_parameter || share == 0 || share == 1) return uv_at(u, share);
-  // Matched to the edge's first use by distance; it may run ahead or behind by a good part of the edge.
-  constexpr double kWithin = 0.25;
+  // Matched to the edge's first use by distance.
   const int first = boundary_->edges[static_cast<std::size_t>(u.edge)].uses[0];
-  const Point3 p = place(first, uv_on(first, share));
+  const Point3 p = place(first, matched_uv(first, share));
   return uv_at(u, nearest_share(part_->faces[static_cast<std::size_t>(u.face)], u, p, share, kWithin));
 }
 
@@ -95,12 +111,18 @@ std::vector<double> EdgeNet::preferred_splits(int e) const {
   for (int use : boundary_->edges[static_cast<std::size_t>(e)].uses) {
     const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
     const double a = parameter_at(u, 0), b = parameter_at(u, 1);
-    if (!u.shares_parameter || a == b) continue;
+    if (a == b) continue;
+    // Shares of this use as shares of the edge.
+    const auto shared = [&](double s) {
+      if (u.shares_parameter) return s;
+      const EdgeUse& first = boundary_->uses[static_cast<std::size_t>(boundary_->edges[static_cast<std::size_t>(e)].uses[0])];
+      return nearest_share(part_->faces[static_cast<std::size_t>(first.face)], first, place(use, uv_at(u, s)), s, kWithin);
+    };
     if (const auto* nurbs = std::get_if<NurbsCurve<Vec2>>(&u.curve.curve)) {
       std::vector<double> kinks;
       add_kinks(*nurbs, kinks);
       for (double t : kinks)
-        if (const double s = (t - a) / (b - a); s > kLeastShare && s < 1 - kLeastShare) shares.push_back(s);
+        if (const double s = (t - a) / (b - a); s > kLeastShare && s < 1 - kLeastShare) shares.push_back(shared(s));
     }
     // Crossings of the surface's creases.
     const BendTree& bend = (*shapes_)[static_cast<std::size_t>(u.face)].bend();
@@ -115,7 +137,7 @@ std::vector<double> EdgeNet::preferred_splits(int e) const {
             const double middle = 0.5 * (lo + hi);
             (((uv_at(u, middle)[axis] - crease) * at_lo > 0) ? lo : hi) = middle;
           }
-          shares.push_back(0.5 * (lo + hi));
+          shares.push_back(shared(0.5 * (lo + hi)));
         }
   }
   std::sort(shares.begin(), shares.end());

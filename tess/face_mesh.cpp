@@ -204,6 +204,7 @@ class FaceMesher {
       if (node_of_[vertex] != Triangulation::kNone && std::abs(node(vertex).uv[axis] - crease) <= slack)
         along.push_back({node(vertex).uv[1 - axis], vertex});
     std::sort(along.begin(), along.end());
+    if (getenv("DBG")) { fprintf(stderr, "crease axis %d %.17g: %zu vertices domain %g..%g\n", axis, crease, along.size(), domain_.lo[1-axis], domain_.hi[1-axis]); for (size_t i=0;i<mesh_.border;++i) if (std::abs(mesh_.nodes[i].uv[axis]-crease)<1e-3*(domain_.hi[axis]-domain_.lo[axis])) fprintf(stderr,"   border %zu %.17g %.17g\n", i, mesh_.nodes[i].uv.x, mesh_.nodes[i].uv.y);}
     for (std::size_t i = 0; i + 1 < along.size(); ++i) {
       const std::uint32_t a = along[i].second, b = along[i + 1].second;
       if (border_.count(key_of(a, b))) continue;
