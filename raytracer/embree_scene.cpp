@@ -183,7 +183,7 @@ void trace_placed(Context& context, int placed_index, LaneMask wanted) {
   const int before = context.packet.current;
   const bool coherent = context.coherent;
   context.packet.current = placed_index;
-  if (placed.part->mesh) context.coherent = false;  // at edges, Embree's packets round to other triangles than its single rays
+  if (placed.part->mesh) context.coherent = false;  // at edges, packets may round to other triangles than single rays
   trace(placed.part->scene, context, context.packet.local, lanes);
   context.packet.current = before;
   context.coherent = coherent;
