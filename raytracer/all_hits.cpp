@@ -1,6 +1,7 @@
 #include "raytracer/all_hits.h"
 
 #include "raytracer/packet.h"
+#include "raytracer/triangle_hits.h"
 
 namespace iso {
 
@@ -16,14 +17,20 @@ void sort_and_remove_doubles(const Tracer& tracer, const Ray& ray, double size, 
   const double length = glm::length(ray.d);
   for (const Hit& hit : hits) {
     const SurfacePoint at = tracer.surface_point(hit);
-    const bool entering = glm::dot(at.n, ray.d) < 0;
+    const bool entering = glm::dot(at.ng, ray.d) < 0;
+    const Placed& placed = tracer.scene().placed[static_cast<std::size_t>(hit.placed)];
     bool twice = false;
     for (auto k = kept.rbegin(); k != kept.rend() && !twice; ++k) {
       const double apart = (hit.t - k->hit.t) * length;
       if (apart > 1e-3 * size) break;
       if (k->hit.placed != hit.placed) continue;
       // One root found twice differs by rounding, which grazing stretches along the ray.
-      const double cosine = std::max(std::abs(glm::dot(at.n, ray.d)) / length, 1e-3);
+      const double cosine = std::max(std::abs(glm::dot(at.ng, ray.d)) / length, 1e-3);
+      if (placed.mesh) {
+        const double flatter = std::min(cosine, std::max(std::abs(glm::dot(k->at.ng, ray.d)) / length, 1e-3));
+        twice = k->entering == entering && cross_at_shared_corner(placed, k->hit, hit, apart, flatter);
+        continue;
+      }
       const double rounding = 32 * (at.error_bound + k->at.error_bound) / cosine;
       const bool same_face = k->hit.face == hit.face && glm::length(k->at.p - at.p) <= rounding;
       const bool touching = hit.status == HitStatus::tangent || k->hit.status == HitStatus::tangent;

@@ -22,6 +22,7 @@ struct Visible {
   Vec3 n;           // turned toward the viewer
   Colour albedo;
   std::int64_t key_ray = -1;  // index of its ray toward the key light, -1: turned away
+  bool sky_under = false;     // its ray into the sky goes under the triangle it is on
 };
 
 struct Work {
@@ -55,15 +56,19 @@ class Clay {
     const SurfacePoint at = tracer_->surface_point(batch.hits[i]);
     Vec3 n = at.n;
     if (!finite(n) || !(glm::dot(n, n) > 0.5)) n = -glm::normalize(ray.d);
-    if (glm::dot(n, ray.d) > 0) n = -n;
+    // The side is what is met, not what shading shows.
+    const double facing = glm::dot(at.ng, ray.d) > 0 ? -1 : 1;
+    n *= facing;
+    const auto under = [&](const Vec3& direction) { return facing * glm::dot(at.side, direction) < 0; };
 
     Visible point{.out = i, .n = n, .albedo = kWhite * base_colour(*tracer_, batch.hits[i])};
     const Vec3 to_sky = cosine_hemisphere(n, sampler_.pair(batch.samples[i], Dimension::sky));
-    work.sky_rays.push_back(secondary_ray(batch.hits[i], at, to_sky));
+    point.sky_under = under(to_sky);
+    work.sky_rays.push_back(secondary_ray(batch.hits[i], at, to_sky, point.sky_under ? -1 : kInf));
 
     const double cos_radius = std::cos(0.5 * lights_.key.angle);
     const Vec3 to_key = uniform_cone(lights_.key.from, cos_radius, sampler_.pair(batch.samples[i], Dimension::key));
-    if (glm::dot(n, to_key) > 0) {
+    if (glm::dot(n, to_key) > 0 && !under(to_key)) {
       point.key_ray = static_cast<std::int64_t>(work.key_rays.size());
       work.key_rays.push_back(secondary_ray(batch.hits[i], at, to_key));
     }
@@ -73,7 +78,7 @@ class Clay {
   Colour radiance(const Work& work, std::size_t k, const Vec3& direction) const {
     const Visible& point = work.points[k];
     const Colour sky = sky_light(lights_.sky, point.n);
-    Colour sum = point.albedo * sky * (work.sky_blocked[k] ? kBounce * point.albedo : Colour(1.0f));
+    Colour sum = point.albedo * sky * (work.sky_blocked[k] || point.sky_under ? kBounce * point.albedo : Colour(1.0f));
     if (point.key_ray < 0 || work.key_blocked[static_cast<std::size_t>(point.key_ray)]) return sum;
 
     // Lambert, and a highlight about the half vector, scaled so that its energy does not depend on the exponent.

@@ -1,8 +1,9 @@
-// The only file that includes Embree: user geometry over leaves, closed-form faces and placed parts, and the batches of rays through them.
+// Rays and Embree: user geometry over leaves, closed-form faces and placed parts, and the batches of rays through them.
 //
 // Embree sees float boxes, rounded outward, and float rays that start on the box they enter; every decision is taken in double from the
 // packet's own record. Placed parts are user geometry too, not Embree instances: their callback moves the rays into the part's coordinates
-// in double and traces the part's scene from there, so a small part far away is met as exactly as one at the origin.
+// in double and traces the part's scene from there, so a small part far away is met as exactly as one at the origin. Parts with a mesh are
+// Embree's triangles (embree_triangles.cpp), every one of which asks a filter.
 #include <embree3/rtcore.h>
 
 #include <array>
@@ -13,8 +14,10 @@
 #include <map>
 
 #include "raytracer/all_hits.h"
+#include "raytracer/embree_triangles.h"
 #include "raytracer/packet.h"
 #include "raytracer/tracer.h"
+#include "raytracer/triangle_hits.h"
 
 namespace iso {
 
@@ -23,6 +26,8 @@ namespace {
 struct PartScene {
   PartGeometry geometry;
   RTCScene scene = nullptr;
+  const PartMesh* mesh = nullptr;  // what the scene is made of, if not the geometry
+  double ray_size = 0;             // the size for `enter_part`
 };
 
 struct PlacedPart {
@@ -105,6 +110,19 @@ void occlude_part(const RTCOccludedFunctionNArguments* args) {
   meet_part<meet>(args->valid, args->geometryUserPtr, args->context, args->ray, args->N, args->primID);
 }
 
+// Of a single ray, N = 1. Taken or not, triangles up to the slack behind the nearest hit are still asked about.
+void meet_mesh(const RTCFilterFunctionNArguments* args) {
+  Packet& packet = reinterpret_cast<Context*>(args->context)->packet;
+  auto& ray = *reinterpret_cast<RTCRay*>(args->ray);
+  const auto& hit = *reinterpret_cast<const RTCHit*>(args->hit);
+  const auto& part = *static_cast<const PartScene*>(args->geometryUserPtr);
+  const auto lane = static_cast<int>(ray.id);
+  if (meet_triangle(packet, lane, *part.mesh, hit.primID, {ray.tfar - packet.local.slack, {hit.u, hit.v}}))
+    ray.tfar = packet.query == Query::occluded ? kBlocked : far_limit(packet, packet.local, lane);
+  else
+    args->valid[0] = 0;
+}
+
 // Lanes that take no part must still hold rays: Embree's narrower kernels look at all of them. These end before they begin.
 void set_rays(RTCRayHit16& r, const LocalRays& rays, LaneMask lanes) {
   std::memcpy(r.ray.org_x, rays.fo, sizeof rays.fo);
@@ -161,11 +179,14 @@ void trace(RTCScene scene, Context& context, const LocalRays& local, LaneMask la
 void trace_placed(Context& context, int placed_index, LaneMask wanted) {
   const PlacedPart& placed = context.placed[placed_index];
   const PartGeometry& geometry = placed.part->geometry;
-  const LaneMask lanes = enter_part(context.packet, wanted, placed.to_part, geometry.box, geometry.size, context.packet.local);
+  const LaneMask lanes = enter_part(context.packet, wanted, placed.to_part, geometry.box, placed.part->ray_size, context.packet.local);
   const int before = context.packet.current;
+  const bool coherent = context.coherent;
   context.packet.current = placed_index;
+  if (placed.part->mesh) context.coherent = false;  // at edges, packets may round to other triangles than single rays
   trace(placed.part->scene, context, context.packet.local, lanes);
   context.packet.current = before;
+  context.coherent = coherent;
 }
 
 void enter_placed(const int* valid, RTCIntersectContext* embree, RTCRayN* rays, unsigned n, unsigned primitive) {
@@ -254,6 +275,7 @@ struct Tracer::Impl {
            occlude_part<meet_analytic>);
     rtcCommitScene(out->scene);
     out->geometry.leaf_boxes = {};
+    out->ray_size = out->geometry.size;
     build.bezier_patches += out->geometry.patches.size();
     build.leaves += out->geometry.leaves.size();
     build.analytic_faces += out->geometry.analytic.size();
@@ -261,12 +283,23 @@ struct Tracer::Impl {
     return out;
   }
 
+  std::unique_ptr<PartScene> build_mesh(const Part& part, const PartMesh& mesh) {
+    auto out = std::make_unique<PartScene>();
+    out->geometry = mesh_geometry(part, mesh);
+    out->mesh = &mesh;
+    out->scene = new_triangle_scene(device, mesh, out.get(), meet_mesh);
+    out->ray_size = kTriangleSlack / kStartSlack * out->geometry.size;
+    build.triangles += mesh.triangles.size();
+    build.bytes += bytes_of(mesh);
+    return out;
+  }
+
   void build_parts() {
-    std::map<const Part*, const PartScene*> known;
+    std::map<std::pair<const Part*, const PartMesh*>, const PartScene*> known;
     for (const Placed& p : scene.placed) {
-      const PartScene*& part = known[p.part.get()];
+      const PartScene*& part = known[{p.part.get(), p.mesh.get()}];
       if (!part) {
-        parts.push_back(build_part(*p.part));
+        parts.push_back(p.mesh ? build_mesh(*p.part, *p.mesh) : build_part(*p.part));
         part = parts.back().get();
       }
       PlacedPart entry{part, inverse(p.to_world), transformed(p.to_world, part->geometry.box)};
@@ -403,9 +436,9 @@ void Tracer::all(std::span<const Ray> rays, std::vector<Hit>& hits, std::vector<
 
 // ---- surroundings of a hit ---------------------------------------------------------------------------------------------
 
-SurfacePoint Tracer::surface_point(const Hit& hit) const {
-  const Placed& placed = impl_->scene.placed[static_cast<std::size_t>(hit.placed)];
-  const PlacedPart& part = impl_->placed[static_cast<std::size_t>(hit.placed)];
+namespace {
+
+SurfacePoint exact_point(const Placed& placed, const PlacedPart& part, const Hit& hit) {
   const Face& f = placed.part->faces[static_cast<std::size_t>(hit.face)];
   Jet2 j = jet2(f.surface, hit.uv);
   SurfacePoint out;
@@ -420,10 +453,24 @@ SurfacePoint Tracer::surface_point(const Hit& hit) const {
   const Curvatures k = principal_curvatures(j, out.n);
   out.k1 = k.k1;
   out.k2 = k.k2;
-  const double stretch =
-      std::max({glm::length(placed.to_world.linear[0]), glm::length(placed.to_world.linear[1]), glm::length(placed.to_world.linear[2])});
-  out.error_bound = kEps * (64 * stretch * terms + 16 * (std::abs(out.p.x) + std::abs(out.p.y) + std::abs(out.p.z)));
+  out.error_bound = rounding_of_point(placed.to_world, terms, out.p);
+  out.ng = out.side = out.n;
   return out;
+}
+
+}  // namespace
+
+SurfacePoint Tracer::surface_point(const Hit& hit) const {
+  const Placed& placed = impl_->scene.placed[static_cast<std::size_t>(hit.placed)];
+  const PlacedPart& part = impl_->placed[static_cast<std::size_t>(hit.placed)];
+  if (!placed.mesh) return exact_point(placed, part, hit);
+  return point_on_triangle(placed, part.to_part, part.part->geometry.size, hit, impl_->scene.mesh_shading, impl_->scene.terminator);
+}
+
+Curvatures Tracer::curvatures(const Hit& hit) const {
+  const auto i = static_cast<std::size_t>(hit.placed);
+  const SurfacePoint exact = exact_point(impl_->scene.placed[i], impl_->placed[i], hit);
+  return {exact.k1, exact.k2};
 }
 
 namespace {
@@ -445,6 +492,7 @@ constexpr double kGapsFromEdge = 4;
 bool Tracer::meet_at_loose_edge(const Hit& a, const Hit& b) const {
   if (a.placed != b.placed) return false;
   const PartGeometry& geometry = impl_->placed[static_cast<std::size_t>(a.placed)].part->geometry;
+  if (geometry.trims.empty()) return false;  // a mesh
   const Face &fa = face(a), &fb = face(b);
   const Point3 pa = point(fa.surface, a.uv), pb = point(fb.surface, b.uv);
   if (glm::length(pa - pb) > 16 * geometry.largest_gap) return false;
@@ -467,8 +515,14 @@ bool Tracer::meet_at_loose_edge(const Hit& a, const Hit& b) const {
 }
 
 Ray secondary_ray(const Hit& hit, const SurfacePoint& at, const Vec3& direction, double tmax) {
-  const double side = glm::dot(at.n, direction) < 0 ? -1.0 : 1.0;
-  return {at.p + side * at.error_bound * at.n, direction, 0, tmax, hit.placed, hit.primitive};
+  const double side = glm::dot(at.side, direction) < 0 ? -1.0 : 1.0;
+  const bool under = side * glm::dot(at.ng, direction) < 0;
+  return {at.p + (side < 0 ? at.lift_in : at.lift_out) + side * at.error_bound * at.ng,
+          direction,
+          0,
+          tmax,
+          hit.placed,
+          under ? -1 : hit.primitive};
 }
 
 }  // namespace iso

@@ -39,9 +39,9 @@ Colour face_colour(std::int32_t placed, std::int32_t face) {
 }
 
 // Blue (hollow) over white (flat) to red (bulging): mean curvature seen from outside, times the scene's size.
-Colour curvature_colour(double k1, double k2, double diagonal) {
+Colour curvature_colour(const Curvatures& k, double diagonal) {
   constexpr double kHalfWay = 8;  // mean curvature in 1 / diagonal at which the colour is half saturated
-  const double bulge = -0.5 * (k1 + k2) * diagonal;
+  const double bulge = -0.5 * (k.k1 + k.k2) * diagonal;
   if (!std::isfinite(bulge)) return rgb(255, 220, 60);
   const float s = static_cast<float>(std::abs(bulge) / (std::abs(bulge) + kHalfWay));
   const Colour end = bulge > 0 ? rgb(178, 24, 43) : rgb(33, 102, 172);
@@ -85,7 +85,7 @@ class Inspection {
       case Shade::kinds:
         return facing * kKindColours[face.surface.index()];
       case Shade::curvature:
-        return facing * curvature_colour(at.k1, at.k2, diagonal_);
+        return facing * curvature_colour(tracer_->curvatures(hit), diagonal_);
       case Shade::depth:
         return Colour(1 - 0.95f * fraction(glm::dot(at.p - view_.eye, view_.forward), view_.depth.lo, view_.depth.hi));
       case Shade::solver:

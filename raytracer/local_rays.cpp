@@ -11,9 +11,6 @@ HWY_BEFORE_NAMESPACE();
 namespace iso::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Float rays start this share of the part's size before the local ray: a root may lie just before the box by rounding.
-inline constexpr double kStartSlack = 1e-6;
-
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE LaneMask enter_some(D d, const Packet& packet, const Affine3& to_part, bool moved, const Box3& box, double part_size,
                                std::size_t first, LocalRays& out) {

@@ -33,7 +33,30 @@ bool comes_first(const Hit& a, const Hit& b) {
   if (a.placed != b.placed) return a.placed < b.placed;
   if (a.face != b.face) return a.face < b.face;
   if (a.uv.x != b.uv.x) return a.uv.x < b.uv.x;
-  return a.uv.y < b.uv.y;
+  if (a.uv.y != b.uv.y) return a.uv.y < b.uv.y;
+  return a.primitive < b.primitive;
+}
+
+bool take(Packet& packet, int lane, const Hit& hit) {
+  switch (packet.query) {
+    case Query::occluded:
+      packet.blocked |= 1u << lane;
+      return true;
+    case Query::all:
+      packet.all[lane]->push_back(hit);
+      return false;
+    case Query::nearest:
+      break;
+  }
+  if (!comes_first(hit, packet.best[lane])) return false;
+  packet.best[lane] = hit;
+  packet.limit[lane] = hit.t;
+  return true;
+}
+
+double rounding_of_point(const Affine3& to_world, double terms, const Point3& at) {
+  const double stretch = std::max({glm::length(to_world.linear[0]), glm::length(to_world.linear[1]), glm::length(to_world.linear[2])});
+  return kEps * (64 * stretch * terms + 16 * (std::abs(at.x) + std::abs(at.y) + std::abs(at.z)));
 }
 
 namespace {
@@ -82,20 +105,7 @@ bool offer(Packet& packet, int lane, const PartGeometry& geometry, const Offer& 
   hit.uv = into_domain(face, trim.period(), root.uv);
   if (root.status == HitStatus::tangent) ++packet.stats->tangent;
   if (hit.by_tolerance) ++packet.stats->by_tolerance;
-  switch (packet.query) {
-    case Query::occluded:
-      packet.blocked |= 1u << lane;
-      return true;
-    case Query::all:
-      packet.all[lane]->push_back(hit);
-      return false;
-    case Query::nearest:
-      break;
-  }
-  if (!comes_first(hit, packet.best[lane])) return false;
-  packet.best[lane] = hit;
-  packet.limit[lane] = hit.t;
-  return true;
+  return take(packet, lane, hit);
 }
 
 // The faces without loops are bounded by their domain: the closed forms do not know it.

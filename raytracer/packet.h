@@ -68,6 +68,12 @@ struct alignas(64) Packet {
   LaneMask start_on(LaneMask lanes, std::int32_t primitive) const;
 };
 
+// Float rays start this share of the size given to `enter_part` before the local ray: a root may lie just before the box by rounding.
+inline constexpr double kStartSlack = 1e-6;
+
+// How far to_world.point(S) may be off by rounding; `terms`: size of the numbers that S was added up from.
+double rounding_of_point(const Affine3& to_world, double terms, const Point3& at);
+
 // Hit::primitive.
 inline std::int32_t leaf_id(std::uint32_t leaf) { return static_cast<std::int32_t>(leaf); }
 inline std::int32_t analytic_id(std::uint32_t index) { return -2 - static_cast<std::int32_t>(index); }
@@ -77,6 +83,9 @@ LaneMask enter_part(const Packet& packet, LaneMask wanted, const Affine3& to_par
 
 // Order of hits along a ray. Equal distances are decided by the smaller index, so that the order of the traversal does not matter.
 bool comes_first(const Hit& a, const Hit& b);
+
+// A hit that is within the ray's limits: nearest, blocking, or one of all. Returns true if the lane's nearest hit or its blocking changed.
+bool take(Packet& packet, int lane, const Hit& hit);
 
 // Meets the local rays of `lanes` with one closed-form face or one leaf of a part. Returns the lanes whose nearest hit or blocking changed.
 LaneMask meet_analytic(Packet& packet, LaneMask lanes, const PartGeometry& geometry, std::uint32_t primitive);

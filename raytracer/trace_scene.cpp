@@ -1,5 +1,7 @@
 #include "raytracer/trace_scene.h"
 
+#include "patches/base/check.h"
+
 namespace iso {
 
 Box3 TraceScene::box() const {
@@ -16,6 +18,13 @@ void add_model(TraceScene& scene, std::shared_ptr<const Model> model, const Affi
     scene.placed.push_back({std::move(part), to_world * instance.to_model, override_colour ? override_colour : instance.colour,
                             override_colour.has_value(), instance.name});
   }
+}
+
+void use_mesh(TraceScene& scene, const Model& model, const std::shared_ptr<const ModelMesh>& mesh) {
+  ISO_CHECK(mesh->parts.size() == model.parts.size());
+  for (Placed& placed : scene.placed)
+    for (std::size_t i = 0; i < model.parts.size(); ++i)
+      if (placed.part.get() == &model.parts[i]) placed.mesh = std::shared_ptr<const PartMesh>(mesh, &mesh->parts[i]);
 }
 
 }  // namespace iso

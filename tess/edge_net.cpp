@@ -61,6 +61,7 @@ void add_kinks(const NurbsCurve<Vec2>& curve, std::vector<double>& at) {
 EdgeNet::EdgeNet(const Part& part, const Boundary& boundary, const std::vector<FaceShape>& shapes, const EdgePolicy& policy)
     : part_(&part), boundary_(&boundary), shapes_(&shapes), policy_(policy) {
   place_.resize(boundary.uses.size());
+  anchors_.resize(boundary.uses.size());
   for (const BoundaryEdge& edge : boundary.edges)
     for (std::size_t i = 0; i < edge.uses.size(); ++i) place_[static_cast<std::size_t>(edge.uses[i])] = static_cast<int>(i);
 
@@ -100,23 +101,27 @@ UV EdgeNet::uv_on(int use, double share) const {
 UV EdgeNet::matched_uv(int use, double share) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
   if (u.shares_parameter || share == 0 || share == 1) return uv_at(u, share);
+  for (const auto& [of_edge, own] : anchors_[static_cast<std::size_t>(use)])
+    if (share == of_edge) return uv_at(u, own);
   // Matched to the edge's first use by distance.
   const int first = boundary_->edges[static_cast<std::size_t>(u.edge)].uses[0];
   const Point3 p = place(first, matched_uv(first, share));
   return uv_at(u, nearest_share(part_->faces[static_cast<std::size_t>(u.face)], u, p, share, kWithin));
 }
 
-std::vector<double> EdgeNet::preferred_splits(int e) const {
+std::vector<double> EdgeNet::preferred_splits(int e) {
   std::vector<double> shares;
   for (int use : boundary_->edges[static_cast<std::size_t>(e)].uses) {
     const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
     const double a = parameter_at(u, 0), b = parameter_at(u, 1);
     if (a == b) continue;
-    // Shares of this use as shares of the edge.
+    // Shares of this use as shares of the edge; the way back is remembered, for it would not lead to the same place.
     const auto shared = [&](double s) {
       if (u.shares_parameter) return s;
       const EdgeUse& first = boundary_->uses[static_cast<std::size_t>(boundary_->edges[static_cast<std::size_t>(e)].uses[0])];
-      return nearest_share(part_->faces[static_cast<std::size_t>(first.face)], first, place(use, uv_at(u, s)), s, kWithin);
+      const double of_edge = nearest_share(part_->faces[static_cast<std::size_t>(first.face)], first, place(use, uv_at(u, s)), s, kWithin);
+      anchors_[static_cast<std::size_t>(use)].push_back({of_edge, s});
+      return of_edge;
     };
     if (const auto* nurbs = std::get_if<NurbsCurve<Vec2>>(&u.curve.curve)) {
       std::vector<double> kinks;
@@ -173,10 +178,11 @@ SegmentError EdgeNet::error_of(int use, double a, double b) const {
     piece.include(from.uv);
     piece.include(to.uv);
     const Vec2 d = to.uv - from.uv;
-    const Bend bend = shape.bend().over(piece);
+    const BoxBend bend = shape.bend().over(piece);
     const auto times = [](double m, double by) { return by == 0 ? 0.0 : m * by; };
     const double curve = sliver_of(u.curve.curve, parameter_at(u, s0), parameter_at(u, s1), from.uv, to.uv, shape.speed(piece)) +
-                         (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, std::abs(d.x * d.y)) + times(bend.Mvv, d.y * d.y)) / 8;
+                         (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, std::abs(d.x * d.y)) + times(bend.Mvv, d.y * d.y)) / 8 +
+                         (times(bend.kink_u, std::abs(d.x)) + times(bend.kink_v, std::abs(d.y))) / 4;
     error.chord = std::max(error.chord, std::max(distance_to_segment(from.S, A, B), distance_to_segment(to.S, A, B)) + curve);
     from = to;
   }

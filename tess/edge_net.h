@@ -57,7 +57,7 @@ class EdgeNet {
   void place_points(int edge);
   void put_samples(int edge, std::vector<double> shares);
   double split_at(int edge, double a, double b) const;
-  std::vector<double> preferred_splits(int edge) const;
+  std::vector<double> preferred_splits(int edge);
 
   const Part* part_;
   const Boundary* boundary_;
@@ -65,6 +65,7 @@ class EdgeNet {
   EdgePolicy policy_;
   std::vector<SampledEdge> edges_;
   std::vector<int> place_;
+  std::vector<std::vector<std::pair<double, double>>> anchors_;  // of each use: shares of the edge and of the use that are one place
   std::vector<std::vector<double>> preferred_;  // of each edge: shares at which to split first
   std::vector<Point3> points_;
   int unresolved_ = 0;

@@ -31,6 +31,8 @@ double form_size(const Bend& bend, const Vec2& d) {
   return times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, std::abs(d.x * d.y)) + times(bend.Mvv, d.y * d.y);
 }
 
+double kink_of(const BoxBend& bend, const Vec2& extent) { return 0.25 * (bend.kink_u * extent.x + bend.kink_v * extent.y); }
+
 double largest_size(const Range& r) { return std::max(std::abs(r.lo), std::abs(r.hi)); }
 
 // Where the shift along the surface is more than this share of its radius of curvature, the bound does not separate it.
@@ -63,14 +65,35 @@ double sphere_bound(const Sphere& sphere, const std::array<Point3, 3>& S) {
 
 }  // namespace
 
-FaceShape::FaceShape(const Face& face) : face_(&face), bend_(face.surface, face.domain) {}
+namespace {
+
+// Beyond the knots by rounding is at the knots.
+Box2 bend_domain(const Face& face) {
+  constexpr double kRounding = 1e-9;
+  if (!std::holds_alternative<NurbsSurface>(face.surface)) return face.domain;
+  const Box2 natural = natural_domain(face.surface);
+  const Vec2 slack = kRounding * natural.size();
+  Box2 box = face.domain;
+  for (int k = 0; k < 2; ++k) {
+    if (box.lo[k] < natural.lo[k] && box.lo[k] > natural.lo[k] - slack[k]) box.lo[k] = natural.lo[k];
+    if (box.hi[k] > natural.hi[k] && box.hi[k] < natural.hi[k] + slack[k]) box.hi[k] = natural.hi[k];
+  }
+  return box;
+}
+
+}  // namespace
+
+FaceShape::FaceShape(const Face& face, double tolerance) : face_(&face), bend_(face.surface, bend_domain(face), tolerance) {}
 
 double FaceShape::general_bound(const std::array<UV, 3>& uv, double longest) const {
   Box2 box;
   for (const UV& p : uv) box.include(p);
-  const Bend bend = bend_.over(box);
+  const BoxBend bend = bend_.over(box);
   const std::array<Vec2, 3> d{uv[1] - uv[0], uv[2] - uv[1], uv[0] - uv[2]};
-  const double size = largest_of_form(form_size(bend, d[0]), form_size(bend, d[1]), form_size(bend, d[2]));
+  // Where the first derivative jumps in size or direction, but not out of the tangent plane, S strays from L along the surface only.
+  const Vec2 extent = box.size();
+  const double jump = kink_of(bend, extent);
+  const double size = largest_of_form(form_size(bend, d[0]), form_size(bend, d[1]), form_size(bend, d[2])) + jump;
   if (!(bend.curvature * size <= kMostShift)) return size;
   // The normal is taken at another point than the second derivative: it turns by at most the angle `turn` between them.
   const double turn = std::min(1.0, bend.curvature * (longest + 2 * size));
@@ -85,7 +108,7 @@ double FaceShape::general_bound(const std::array<UV, 3>& uv, double longest) con
   wide.uv = widened(bend.uv, bend.Muv);
   wide.vv = widened(bend.vv, bend.Mvv);
   const Range x = form_range(wide, d[0]), y = form_range(wide, d[1]), z = form_range(wide, d[2]);
-  const double along = std::max(largest_of_form(x.hi, y.hi, z.hi), largest_of_form(-x.lo, -y.lo, -z.lo));
+  const double along = std::max(largest_of_form(x.hi, y.hi, z.hi), largest_of_form(-x.lo, -y.lo, -z.lo)) + turn * jump;
   return with_shift(along, size, bend.curvature);
 }
 
@@ -191,9 +214,10 @@ double FaceShape::segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) 
 
 Vec2 FaceShape::speed(const Box2& uv) const {
   const Jet2 at = jet2(face_->surface, uv.middle());
-  const Bend bend = bend_.over(uv);
+  const BoxBend bend = bend_.over(uv);
   const Vec2 half = 0.5 * uv.size();
-  return {glm::length(at.Su) + bend.Muu * half.x + bend.Muv * half.y, glm::length(at.Sv) + bend.Muv * half.x + bend.Mvv * half.y};
+  return {glm::length(at.Su) + bend.Muu * half.x + bend.Muv * half.y + bend.kink_u,
+          glm::length(at.Sv) + bend.Muv * half.x + bend.Mvv * half.y + bend.kink_v};
 }
 
 FaceShape::Placed FaceShape::place(UV uv) const {

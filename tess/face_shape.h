@@ -22,7 +22,8 @@ struct SurfaceCorner {
 
 class FaceShape {
  public:
-  explicit FaceShape(const Face& face);
+  // `tolerance`: world units, of the meshes to be judged; finer bounds than that are not prepared.
+  FaceShape(const Face& face, double tolerance);
 
   const Face& face() const { return *face_; }
   const BendTree& bend() const { return bend_; }

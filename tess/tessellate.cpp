@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <unordered_map>
 
@@ -25,8 +26,10 @@ Side side_of(std::uint32_t a, std::uint32_t b) { return (static_cast<Side>(std::
 class PartMesher {
  public:
   PartMesher(const Part& part, const TessellationOptions& options) : part_(part), options_(options), boundary_(part) {
-    shapes_.reserve(part.faces.size());
-    for (const Face& face : part.faces) shapes_.emplace_back(face);
+    std::vector<std::optional<FaceShape>> shapes(part.faces.size());
+    tbb::parallel_for(std::size_t{0}, shapes.size(), [&](std::size_t f) { shapes[f].emplace(part.faces[f], options.distance); });
+    shapes_.reserve(shapes.size());
+    for (auto& shape : shapes) shapes_.push_back(std::move(*shape));
     net_.emplace(
         part, boundary_, shapes_,
         EdgePolicy{kEdgeShare * (options.trim > 0 ? options.trim : options.distance), kEdgeShare * options.distance, options.angle});

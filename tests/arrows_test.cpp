@@ -46,7 +46,7 @@ struct Guarded {
 };
 const std::vector<Guarded>& guarded() {
   static const std::vector<Guarded> all{
-      {"Embree", std::regex("embree.*"), std::regex("raytracer/embree_scene\\.cpp")},
+      {"Embree", std::regex("embree.*"), std::regex("raytracer/embree_.*")},
       {"Open CASCADE", std::regex(".*\\.hxx"), std::regex("patches/io/occt_.*")},
       {"OpenImageIO", std::regex("OpenImageIO/.*"), std::regex("raytracer/image_io\\.cpp")},
       {"OpenColorIO", std::regex("OpenColorIO/.*"), std::regex("raytracer/display_transform\\.cpp")},

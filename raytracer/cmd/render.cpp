@@ -26,8 +26,9 @@ bool has_exr_name(const std::string& path) { return path.starts_with("/dev/") ||
 
 // What can be said against the request before anything is read or rendered.
 Status check_request(const RenderOptions& options) {
-  if (options.mode != "direct")
-    return Error{Exit::bad_command_line, {}, {}, "--mode tessellated is not available yet; only 'direct' (no triangles) is"};
+  const auto mesh = mesh_request(options);
+  if (!mesh) return mesh.error();
+  if (*mesh) return Error{Exit::bad_command_line, {}, {}, "--mode tessellated is not available yet; only 'direct' (no triangles) is"};
   if (!has_exr_name(options.output))
     return Error{Exit::bad_command_line,
                  options.output,

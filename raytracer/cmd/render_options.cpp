@@ -68,6 +68,11 @@ std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command) {
   command.add_option("--background", options->background, "transparent, sky or #rrggbb [sky for a model, transparent for a scene]");
   command.add_option("--aov", options->aovs, "data layers: all, none, or a list of N P Z uv id with commas [all]");
   command.add_option("--mode", options->mode, "direct [direct]")->check(CLI::IsMember({"direct", "tessellated"}));
+  // Not in the help as long as there is no mesh.
+  command.add_option("--tolerance", options->tolerance, "of the mesh: 1e-4d (diagonals), 0.05mm, or in units of the model [1e-4d]")
+      ->group("");
+  command.add_flag("--flat", options->flat, "shade triangles by their own normals")->group("");
+  command.add_flag("--terminator-fix", options->terminator_fix, "hide the facets where light grazes")->group("");
   command.add_option("--seed", options->seed, "another seed gives other noise [0]");
   command.add_option("-t,--threads", options->threads, "threads to use; 0: all [0]")->check(CLI::Range(0, 1024));
   command.add_option("--progress", options->progress, "auto (bar or lines), json, none [auto]")
@@ -106,6 +111,25 @@ Result<SceneEntry> scene_for(const RenderOptions& options) {
   if (options.samples) scene.samples = *options.samples;
   if (options.seed) scene.seed = *options.seed;
   return scene;
+}
+
+Result<std::optional<MeshRequest>> mesh_request(const RenderOptions& options) {
+  if (options.mode == "direct") {
+    const char* given = options.tolerance ? "--tolerance" : options.flat ? "--flat" : options.terminator_fix ? "--terminator-fix" : nullptr;
+    if (given) return bad_option(fmt::format("{} needs --mode tessellated: 'direct' makes no triangles", given));
+    return std::optional<MeshRequest>{};
+  }
+  if (options.flat && options.terminator_fix)
+    return bad_option("--terminator-fix has no meaning with --flat, whose triangles are lit by their own normals");
+  MeshRequest request;
+  if (options.tolerance) {
+    const auto tolerance = tolerance_named(*options.tolerance);
+    if (!tolerance) return tolerance.error();
+    request.tolerance = *tolerance;
+  }
+  if (options.flat) request.shading = MeshShading::flat;
+  if (options.terminator_fix) request.terminator = Terminator::softened;
+  return std::optional(request);
 }
 
 Result<unsigned> aovs_named(const std::string& text) {

@@ -25,7 +25,11 @@ std::vector<std::pair<const char*, std::uint64_t>> counters(const SolverStats& s
 }
 
 std::vector<std::pair<const char*, std::uint64_t>> counters(const BuildStats& b) {
-  return {{"bezier_patches", b.bezier_patches}, {"leaves", b.leaves}, {"analytic_faces", b.analytic_faces}, {"bytes", b.bytes}};
+  return {{"bezier_patches", b.bezier_patches},
+          {"leaves", b.leaves},
+          {"analytic_faces", b.analytic_faces},
+          {"triangles", b.triangles},
+          {"bytes", b.bytes}};
 }
 
 }  // namespace

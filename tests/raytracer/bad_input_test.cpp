@@ -194,9 +194,16 @@ TEST_F(BadInput, CommandLines) {
   refused({"render", data(kCube), "-o", path("picture.png")}, ".exr");
   refused({"render", data(kCube), "-o", path("picture.exr"), "--size", "0x5"}, "--size");
   refused({"render", data(kCube), "-o", path("picture.exr"), "--samples", "many"}, "--samples");
+  refused({"render", data(kCube), "-o", path("picture.exr"), "--tolerance", "1mm"}, "--tolerance needs --mode tessellated");
+  refused({"render", data(kCube), "-o", path("picture.exr"), "--flat"}, "--flat needs --mode tessellated");
+  refused({"render", data(kCube), "-o", path("picture.exr"), "--terminator-fix"}, "--terminator-fix needs --mode tessellated");
+  refused({"render", data(kCube), "-o", path("picture.exr"), "--mode", "tessellated", "--tolerance", "1parsec"}, "unit 'parsec'");
+  refused({"render", data(kCube), "-o", path("picture.exr"), "--mode", "tessellated", "--flat", "--terminator-fix"},
+          "no meaning with --flat");
+  refused({"render", data(kCube), "-o", path("picture.exr"), "--mode", "tessellated", "--tolerance", "1e-4d"}, "not available yet");
   refused({"info"}, "FILE is required");
   EXPECT_EQ(files(), 0u);
-  expect_checked(6);
+  expect_checked(12);
 }
 
 TEST_F(BadInput, RaysThatAreNone) {
