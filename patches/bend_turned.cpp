@@ -81,35 +81,39 @@ CurveBalls curve_balls(const Curve3& curve, const Range& t) {
 
 namespace {
 
-// A ball about projected coefficients: of f / w where `f` is raised to the degree of the weights.
-struct Ball {
-  Vec3 centre{0.0};
-  double radius = 0;
-};
-Ball ball_of(std::vector<Vec4> f, const std::vector<Vec4>& points) {
-  const auto n = static_cast<double>(points.size()) - 1;
-  while (f.size() < points.size()) {  // one degree more
+// The same polynomial with as many coefficients as wanted.
+std::vector<Vec4> raised(std::vector<Vec4> f, std::size_t size) {
+  while (f.size() < size) {
     const auto m = static_cast<double>(f.size());
     f.push_back(f.back());
     for (std::size_t i = f.size() - 2; i > 0; --i) f[i] = (static_cast<double>(i) / m) * f[i - 1] + (1 - static_cast<double>(i) / m) * f[i];
   }
+  return f;
+}
+
+// Holds f / w, of one degree with the points whose weights are w: quotients of coefficients.
+struct Ball {
+  Vec3 centre{0.0};
+  double radius = 0;
+};
+Ball ball_of(const std::vector<Vec4>& f, const std::vector<Vec4>& points) {
   Ball ball;
-  for (std::size_t i = 0; i < f.size(); ++i) ball.centre += Vec3(f[i]) / points[i].w / (n + 1);
+  for (std::size_t i = 0; i < f.size(); ++i) ball.centre += Vec3(f[i]) / points[i].w / static_cast<double>(f.size());
   for (std::size_t i = 0; i < f.size(); ++i) ball.radius = std::max(ball.radius, glm::length(Vec3(f[i]) / points[i].w - ball.centre));
   return ball;
 }
 
-// Of the weights of f over those of the points.
-double share_of_weights(std::vector<Vec4> f, const std::vector<Vec4>& points) {
-  for (Vec4& h : f) h = {h.w, 0, 0, 0};
-  const Ball b = ball_of(std::move(f), points);
-  return std::abs(b.centre.x) + b.radius;
+// The supremum of the weights of f over those of the points.
+double share_of_weights(const std::vector<Vec4>& f, const std::vector<Vec4>& points) {
+  double most = 0;
+  for (std::size_t i = 0; i < f.size(); ++i) most = std::max(most, std::abs(f[i].w / points[i].w));
+  return most;
 }
 
 }  // namespace
 
+// About the middle: C' = (H' - w' C) / w and C'' = (H'' - 2 w' C' - w'' C) / w.
 CurveBalls curve_balls(const std::vector<Vec4>& bezier, double width) {
-  const auto p = static_cast<double>(bezier.size()) - 1;
   const Vec3 middle = project(bernstein_value(bezier, 0.5));
   double rounding = 0;
   std::vector<Vec4> points = bezier;
@@ -117,41 +121,19 @@ CurveBalls curve_balls(const std::vector<Vec4>& bezier, double width) {
     rounding = std::max(rounding, 16 * kEps * glm::length(project(h)));
     h -= Vec4(h.w * middle, 0.0);
   }
-  const std::vector<Vec4> first = bernstein_derivative(points), second = bernstein_derivative(first);
+  const auto p = static_cast<double>(points.size()) - 1;
+  const std::vector<Vec4> slopes = bernstein_derivative(points);
+  std::vector<Vec4> second = raised(bernstein_derivative(slopes), points.size());
+  const std::vector<Vec4> first = raised(slopes, points.size());
   const Ball C = ball_of(points, points);
   const double radius = glm::length(C.centre) + C.radius, w1 = share_of_weights(first, points), w2 = share_of_weights(second, points);
-  CurveBalls b;
-  b.C = middle + C.centre;
-  b.stray = C.radius + rounding;
-  // C' = (H' - w' C) / w and C'' = (H'' - 2 w' C' - w'' C) / w
   Ball tangent = ball_of(first, points);
   tangent.radius += w1 * radius + 2 * p * rounding;
-  std::vector<Vec4> without = second;
-  without.resize(points.size());
-  if (w1 > 0) {  // H'' - 2 w' C'(middle), of the degree of the points
-    std::vector<Vec4> slopes = first;
-    for (Vec4& h : slopes) h = Vec4(2 * h.w * tangent.centre, 0.0);
-    const auto raised = [&](std::vector<Vec4> f) {
-      while (f.size() < points.size()) {
-        const auto m = static_cast<double>(f.size());
-        f.push_back(f.back());
-        for (std::size_t i = f.size() - 2; i > 0; --i)
-          f[i] = (static_cast<double>(i) / m) * f[i - 1] + (1 - static_cast<double>(i) / m) * f[i];
-      }
-      return f;
-    };
-    const std::vector<Vec4> a = raised(second), c = raised(slopes);
-    for (std::size_t i = 0; i < a.size(); ++i) without[i] = a[i] - c[i];
-  } else {
-    without = second;
-  }
-  Ball bending = ball_of(without, points);
+  for (std::size_t i = 0; i < second.size(); ++i) second[i] -= Vec4(2 * first[i].w * tangent.centre, 0.0);
+  Ball bending = ball_of(second, points);
   bending.radius += 2 * w1 * tangent.radius + w2 * radius + (p > 1 || w1 > 0 ? 4 * p * p * rounding : 0.0);
-  b.Ct = tangent.centre / width;
-  b.stray_t = tangent.radius / width;
-  b.Ctt = bending.centre / (width * width);
-  b.stray_tt = bending.radius / (width * width);
-  return b;
+  return {middle + C.centre,   tangent.centre / width, bending.centre / (width * width),
+          C.radius + rounding, tangent.radius / width, bending.radius / (width * width)};
 }
 
 // At u = 0: Su = Z x C, Sv = C', Suu = -r with r the part of C away from the axis, Suv = Z x C', Svv = C''. Of n . X to first order only
