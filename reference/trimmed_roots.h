@@ -12,7 +12,7 @@
 namespace iso::reference {
 
 // `border`: on a trim curve, to rounding, or outside but within the gap that is to be closed there: both answers are right.
-enum class Side : std::uint8_t { inside, outside, border };
+enum class Side : std::uint8_t { inside, border, outside };
 
 struct Meeting {
   double t = kInf;
@@ -115,10 +115,15 @@ class TrimmedRoots {
     });
     std::sort(found.begin(), found.end(),
               [](const Meeting& a, const Meeting& b) { return a.face != b.face ? a.face < b.face : a.t < b.t; });
+    // Of a root that is found twice, at both ends of a closed surface, the one within the loops counts.
     std::vector<Meeting> out;
-    for (const Meeting& m : found)
-      if (out.empty() || !again(out.back(), m)) out.push_back(m);
-    for (Meeting& m : out) m.side = side_of(part_.faces[static_cast<std::size_t>(m.face)], part_.edges, m.uv, m.cosine, kRounding * size_);
+    for (Meeting& m : found) {
+      m.side = side_of(part_.faces[static_cast<std::size_t>(m.face)], part_.edges, m.uv, m.cosine, kRounding * size_);
+      if (out.empty() || !again(out.back(), m))
+        out.push_back(m);
+      else if (m.side < out.back().side)
+        out.back() = m;
+    }
     std::sort(out.begin(), out.end(), [](const Meeting& a, const Meeting& b) { return a.t < b.t; });
     return out;
   }

@@ -115,10 +115,10 @@ TEST(WrongRays, PlantedOnesAreFound) {
   const RayCounts c = judged(path, kUsual, tracer, rays, hits);
   EXPECT_GE(lost, 500u);
   EXPECT_GE(extra, 200u);
-  // Steep ones: a hit that is moved a little, or to the back of a thin wall, may lie where the mesh says nothing.
-  EXPECT_GE(static_cast<double>(c.lost), 0.99 * static_cast<double>(lost));
+  // Nearly all: a hit that is moved a little, or to the back of a thin wall, may lie where the mesh says nothing.
+  EXPECT_GE(static_cast<double>(c.lost), 0.95 * static_cast<double>(lost));
   EXPECT_LE(c.lost, lost);
-  EXPECT_GE(static_cast<double>(c.extra), 0.8 * static_cast<double>(extra));
+  EXPECT_GE(static_cast<double>(c.extra), 0.95 * static_cast<double>(extra));
   EXPECT_LE(c.extra, extra);
   fmt::print("[ measured ] planted: {} of {} lost ones and {} of {} extra ones found\n", c.lost, lost, c.extra, extra);
 }

@@ -37,7 +37,7 @@ struct PlacedMeeting : reference::Meeting {
 };
 
 std::string text_of(const PlacedMeeting& m) {
-  constexpr const char* kSides[] = {"inside", "outside", "border"};
+  constexpr const char* kSides[] = {"inside", "border", "outside"};
   return fmt::format(" [part {} face {} t {:.17g} n.d {:.3g} {}{}]", m.placed, m.face, m.t, m.cosine,
                      kSides[static_cast<std::size_t>(m.side)], m.doubtful ? " doubtful" : "");
 }
