@@ -30,13 +30,23 @@ struct EdgeUse {
   Point3 at(double t) const { return point(face->surface, jet(curve->curve, t).C); }
 };
 
+// Samples lie closer together toward the ends of an edge: there, where curves were fitted to meet at the vertices, they part within little.
+constexpr int kGapSamples = 96;
+double share_of_sample(std::size_t i) { return 0.5 - 0.5 * std::cos(kPi * static_cast<double>(i) / kGapSamples); }
+constexpr double kWidestStep = 0.5 * kPi / kGapSamples;  // of those shares
+
+std::vector<Point3> sampled(const EdgeUse& use) {
+  std::vector<Point3> points;
+  for (std::size_t i = 0; i <= kGapSamples; ++i) points.push_back(use.at(use.parameter(share_of_sample(i))));
+  return points;
+}
+
 // Distance of p from the curve of a use: the nearest of its samples, then ever smaller steps around it.
 double distance_to(const EdgeUse& use, const std::vector<Point3>& samples, const Point3& p) {
   std::size_t nearest = 0;
   for (std::size_t i = 1; i < samples.size(); ++i)
     if (glm::length(samples[i] - p) < glm::length(samples[nearest] - p)) nearest = i;
-  const double last = static_cast<double>(samples.size()) - 1;
-  double share = static_cast<double>(nearest) / last, least = glm::length(samples[nearest] - p), step = 0.5 / last;
+  double share = share_of_sample(nearest), least = glm::length(samples[nearest] - p), step = 0.5 * kWidestStep;
   for (int i = 0; i < 40; ++i, step *= 0.5)
     for (const double s : {share - step, share + step}) {
       if (s < 0 || s > 1) continue;
@@ -49,19 +59,11 @@ double distance_to(const EdgeUse& use, const std::vector<Point3>& samples, const
   return least;
 }
 
-constexpr int kGapSamples = 64;
-
-std::vector<Point3> sampled(const EdgeUse& use) {
-  std::vector<Point3> points;
-  for (int i = 0; i <= kGapSamples; ++i) points.push_back(use.at(use.parameter(static_cast<double>(i) / kGapSamples)));
-  return points;
-}
-
 // Both uses of an edge normally run with one parameter; where they do not, the nearest points count.
 double gap_between(const EdgeUse& a, const EdgeUse& b, double file_tolerance) {
   double same = 0;
-  for (int i = 0; i <= kGapSamples; ++i) {
-    const double t = a.parameter(static_cast<double>(i) / kGapSamples);
+  for (std::size_t i = 0; i <= kGapSamples; ++i) {
+    const double t = a.parameter(share_of_sample(i));
     same = std::max(same, glm::length(a.at(t) - b.at(t)));
   }
   if (same <= file_tolerance) return same;

@@ -335,6 +335,13 @@ double TrimRegion::largest_reach() const {
   return most;
 }
 
+Box2 TrimRegion::grown(const Box2& domain) const {
+  if (untrimmed()) return domain;
+  constexpr double kMost = 1e-2;  // what is added continues the surface's last span, which cannot be trusted far
+  const Vec2 most = kMost * domain.size();
+  return {domain.lo - glm::min(loops_box_.lo - reach_box_.lo, most), domain.hi + glm::min(reach_box_.hi - loops_box_.hi, most)};
+}
+
 std::size_t TrimRegion::bytes() const {
   return pieces_.size() * sizeof(TrimPiece) + points_.size() * sizeof(Vec3) + clips_.size() * sizeof(Clip) +
          near_.size() * sizeof(std::uint32_t) + states_.size() * sizeof(CellState) + lists_.size() * sizeof(CellLists);

@@ -65,6 +65,10 @@ class TrimRegion {
   // The largest tolerance of a piece, stretched as far as it may be: the face ends at most this far beyond its loops.
   double largest_reach() const;
 
+  // A box of the parameter plane, grown on all sides by what the tolerances let in beyond the loops, at most a hundredth of its width:
+  // where an edge lies on the border of its surface, the surface must go on that far for the gap to be closed.
+  Box2 grown(const Box2& domain) const;
+
   // How much more than its tolerance an edge lets in for a ray that grazes the surface.
   static constexpr double kMostStretch = 8;
 

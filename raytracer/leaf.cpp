@@ -121,7 +121,7 @@ void add_patches(PartGeometry& geometry, std::uint32_t index, const Face& face, 
   CellPolicy policy;
   policy.small = 1e-3 * part_size;
   std::vector<FaceCell> cells;
-  for (BezierPiece& piece : bezier_pieces(face.surface, face.domain)) {
+  for (BezierPiece& piece : bezier_pieces(face.surface, trim.grown(face.domain))) {
     const std::uint32_t patch = static_cast<std::uint32_t>(geometry.patches.size());
     cells.clear();
     divide(piece, 0, trim, policy, cells);

@@ -1,5 +1,5 @@
-// The first meeting of a line with rational Bezier patches, in double: the patches are halved, every part whose box the line passes is kept
-// down to small boxes, Newton on S(s, t) = o + r d runs from the middle of each, and the least r of all roots wins. A part where Newton
+// The meetings of a line with rational Bezier patches, in double: the patches are halved, every part whose box the line passes is kept
+// down to small boxes, Newton on S(s, t) = o + r d runs from the middle of each; the least r of all roots is the first. A part where Newton
 // leaves the part is halved on, until its box is at rounding level: what is left then is told as a doubtful root. Nothing is left out
 // because something nearer is known.
 #pragma once
@@ -14,6 +14,15 @@ struct FirstRoot {
   double cosine = 0;      // between line and normal; 0 where the patch has no normal
 
   explicit operator bool() const { return t < kInf; }
+};
+
+// A root of one of the patches; a doubtful one is a box: its middle, and where the line enters it.
+struct LineRoot {
+  std::size_t patch = 0;
+  Vec2 st{0.0};
+  double t = kInf;
+  double cosine = 0;
+  bool doubtful = false;
 };
 
 // A part of a patch: the sub-patch, and its box of the patch's unit square.
@@ -74,19 +83,30 @@ class RootFinder {
   // d is a unit vector; only t >= 0 counts.
   FirstRoot first(const Vec3& o, const Vec3& d) const {
     FirstRoot best;
-    for (std::size_t i = 0; i < patches_.size(); ++i) {
-      double lo, hi;
-      if (line_in_box(boxes_[i].inflated(kRounding * size_), o, d, lo, hi)) search(patches_[i], o, d, best);
-    }
+    each(o, d, [&](const LineRoot& root) {
+      if (root.t < best.t) best = {root.t, root.doubtful, root.cosine};
+    });
     return best;
   }
+
+  // Hands over every root, some several times. The box of a doubtful one may begin before t = 0.
+  template <class Found>
+  void each(const Vec3& o, const Vec3& d, const Found& found) const {
+    for (std::size_t i = 0; i < patches_.size(); ++i) {
+      double lo, hi;
+      if (line_in_box(boxes_[i].inflated(kRounding * size_), o, d, lo, hi)) search(i, o, d, found);
+    }
+  }
+  double size() const { return size_; }
 
  private:
   static constexpr double kFirstTry = 1e-2;   // boxes of this share of the size are tried by Newton
   static constexpr double kSmallest = 1e-11;  // and of this are not halved
   static constexpr double kRounding = 1e-15;
 
-  void search(const BezierPatch& patch, const Vec3& o, const Vec3& d, FirstRoot& best) const {
+  template <class Found>
+  void search(std::size_t index, const Vec3& o, const Vec3& d, const Found& found) const {
+    const BezierPatch& patch = patches_[index];
     std::vector<PatchPart> stack;
     stack.push_back({patch, {}, Vec2(1.0)});
     while (!stack.empty()) {
@@ -96,13 +116,13 @@ class RootFinder {
       double lo, hi;
       if (!line_in_box(box.inflated(kRounding * size_), o, d, lo, hi) || hi < 0) continue;
       if (box.diagonal() <= kSmallest * size_) {
-        if (lo < best.t) best = {lo, true, 0};
+        found(LineRoot{index, 0.5 * (part.lo + part.hi), lo, 0, true});
         continue;
       }
       if (box.diagonal() <= kFirstTry * size_) {
         NewtonRoot root;
         if (newton_from(patch, part, o, d, 0.5 * (lo + hi), size_, root)) {
-          if (root.t >= 0 && root.t < best.t) best = {root.t, false, root.cosine};
+          if (root.t >= 0) found(LineRoot{index, root.st, root.t, root.cosine, false});
           // Is it the part's own, and its only one? Else the part is halved on.
           if (holds(part, root.st) && single_root(part.net, d)) continue;
         }

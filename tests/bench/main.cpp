@@ -1,8 +1,8 @@
 // isophote_bench: ./isophote bench [NAME...] [--quick] [--json] [--rounds N] [--rays N] [--tolerance X...]
 //
 // Every measurement is called direct-versus-triangles/SCENE/RAYS; a NAME selects those that have it as one of these three words, several
-// NAMEs those that fit the NAMEs of each kind: `linkrods teapot bounce` are two scenes, bounces only. The second benchmark, trim-queries,
-// has no scenes.
+// NAMEs those that fit the NAMEs of each kind: `linkrods teapot bounce` are two scenes, bounces only. The other benchmarks, trim-queries
+// and brl-cad, have no scenes.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -10,15 +10,17 @@
 #include <filesystem>
 #include <iostream>
 
+#include "tests/bench/brl_cad.h"
 #include "tests/bench/report.h"
 #include "tests/bench/trim_queries.h"
 
 namespace iso::bench {
 namespace {
 
-constexpr const char *kBenchmark = "direct-versus-triangles", *kTrimQueries = "trim-queries";
+constexpr const char *kBenchmark = "direct-versus-triangles", *kTrimQueries = "trim-queries", *kBrlCad = "brl-cad";
 constexpr int kSegments[] = {10, 100, 1000};
 constexpr int kQuickRounds = 3, kQuickRays = 1 << 18;
+constexpr int kBrlCadRays = 1000000, kBrlCadQuickRays = 100000;
 
 int fail(const Error& error) {
   std::cerr << "isophote bench: " << error.text() << '\n';
@@ -50,6 +52,27 @@ int run_trim_queries(bool json) {
   return static_cast<int>(Exit::done);
 }
 
+int run_brl_cad(const MeasureOptions& options, bool json) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  Origin origin = origin_of_run();
+  const BrlCadOptions wanted{options.rounds, static_cast<std::size_t>(options.rays)};
+  std::vector<BrlCadRow> rows;
+  for (const test::BrlCadModel& model : test::kBrlCadModels) {
+    const auto path = test::path_of(model);
+    if (!path) {
+      origin.left_out.push_back(fmt::format("{}, because there is no file {}", model.name, model.file));
+      std::cerr << "left out: " << origin.left_out.back() << '\n';
+      continue;
+    }
+    std::cerr << "measuring " << model.name << " ...\n";
+    auto row = measure_against_brl_cad(model, *path, wanted);
+    if (!row) return fail(row.error());
+    rows.push_back(std::move(*row));
+  }
+  std::cout << (json ? brl_cad_json(rows, wanted, origin).dump(2) + "\n" : brl_cad_table(rows, wanted, origin)) << std::flush;
+  return static_cast<int>(std::cout ? Exit::done : Exit::read_write);
+}
+
 int run(int argc, char** argv) {
   std::vector<BenchScene> scenes = bench_scenes();
   std::vector<std::string> scene_names;
@@ -60,8 +83,8 @@ int run(int argc, char** argv) {
   std::vector<std::string> names;
   bool json = false;
   app.add_option("NAME", names,
-                 fmt::format("what to measure: {}; scenes {}; rays {} [all]; or {}, alone", kBenchmark, fmt::join(scene_names, " "),
-                             fmt::join(kRaySets, " "), kTrimQueries));
+                 fmt::format("what to measure: {}; scenes {}; rays {} [all]; or {} or {}, alone", kBenchmark, fmt::join(scene_names, " "),
+                             fmt::join(kRaySets, " "), kTrimQueries, kBrlCad));
   app.add_flag("--json", json, "print one JSON document instead of the table");
   auto* quick =
       app.add_flag("--quick", options.quick,
@@ -79,6 +102,10 @@ int run(int argc, char** argv) {
   }
   if (names == std::vector<std::string>{kTrimQueries}) return run_trim_queries(json);
   if (*quick && !*rounds) options.rounds = kQuickRounds;
+  if (names == std::vector<std::string>{kBrlCad}) {
+    if (!*count) options.rays = *quick ? kBrlCadQuickRays : kBrlCadRays;
+    return run_brl_cad(options, json);
+  }
   if (*quick && !*count) options.rays = kQuickRays;
   for (const std::string& name : names)
     if (name != kBenchmark && !contains(scene_names, name) && !contains(kRaySets, name))

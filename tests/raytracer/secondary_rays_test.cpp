@@ -130,7 +130,7 @@ TEST(SecondaryRays, NothingLeaksOutOfATrimmedSolid) {
     std::printf("linkrods at scale %g: %zu of %zu rays into the material leave no second hit; %zu starts lay beyond a trim curve\n",
                 where.scale, inward.rays - inward.hits, inward.rays, starts.beyond_trim);
     EXPECT_GE(inward.rays, 100000u);
-    EXPECT_LE(starts.beyond_trim, 30u);
+    EXPECT_LE(starts.beyond_trim, 60u);  // 4e-4 of all hits lie in gaps, wherever edges have them
     // What gets out slips between two sheets that lie apart at an edge, by no more than the file allows (4e-4 of a size of 5) or the gap
     // measured.
     EXPECT_LE(inward.free.size(), 20u);

@@ -2,6 +2,7 @@
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>
+#include <BRepCheck_Analyzer.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
@@ -156,6 +157,15 @@ OcctMesh mesh_with_occt(const std::string& path, const MeshFineness& fineness) {
     return mesh_file(path, fineness);
   } catch (const Standard_Failure& failure) {
     throw OcctFailure(std::string("Open CASCADE fails: ") + failure.DynamicType()->Name() + " " + failure.GetMessageString());
+  }
+}
+
+bool valid_for_occt(const std::string& path) {
+  Message::DefaultMessenger()->ChangePrinters().Clear();
+  try {
+    return BRepCheck_Analyzer(read_shape(path)).IsValid();
+  } catch (const Standard_Failure&) {
+    return false;
   }
 }
 

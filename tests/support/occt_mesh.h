@@ -44,4 +44,7 @@ struct OcctFailure : std::runtime_error {
 
 OcctMesh mesh_with_occt(const std::string& path, const MeshFineness& fineness);
 
+// Whether Open CASCADE's own check (BRepCheck) finds nothing wrong with the shape of the file.
+bool valid_for_occt(const std::string& path);
+
 }  // namespace iso::test
