@@ -66,7 +66,7 @@ class EdgeNet {
   std::vector<SampledEdge> edges_;
   std::vector<int> place_;
   std::vector<std::vector<std::pair<double, double>>> anchors_;  // of each use: shares of the edge and of the use that are one place
-  std::vector<std::vector<double>> preferred_;  // of each edge: shares at which to split first
+  std::vector<std::vector<double>> preferred_;                   // of each edge: shares at which to split first
   std::vector<Point3> points_;
   int unresolved_ = 0;
 };

@@ -1,8 +1,6 @@
 #include "tess/face_mesh.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <optional>
 #include <unordered_map>
 
@@ -44,10 +42,8 @@ class FaceMesher {
     if (!mesh_.to_split.empty()) return std::move(mesh_);
     triangulation_->mark_inside();
     for (const UV& uv : extra) add_inner(uv, true);
-    if (getenv("DBG")) { double n = 0; for (auto& g : grids.grids) n += double(g.columns) * g.rows; fprintf(stderr, "face %p %s: %zu grids, %g cells, border %zu scale %g %g\n", (const void*)&shape_, kind_name(shape_.face().surface), grids.grids.size(), n, mesh_.border, scale_.x, scale_.y); }
     for (const SampleGrid& grid : grids.grids) add_grid(grid);
     constrain_creases();
-    if (getenv("DBG")) fprintf(stderr, "   nodes %zu\n", mesh_.nodes.size());
     refine();
     if (!mesh_.to_split.empty()) return std::move(mesh_);
     collect_triangles();
@@ -204,7 +200,6 @@ class FaceMesher {
       if (node_of_[vertex] != Triangulation::kNone && std::abs(node(vertex).uv[axis] - crease) <= slack)
         along.push_back({node(vertex).uv[1 - axis], vertex});
     std::sort(along.begin(), along.end());
-    if (getenv("DBG")) { fprintf(stderr, "crease axis %d %.17g: %zu vertices domain %g..%g\n", axis, crease, along.size(), domain_.lo[1-axis], domain_.hi[1-axis]); for (size_t i=0;i<mesh_.border;++i) if (std::abs(mesh_.nodes[i].uv[axis]-crease)<1e-3*(domain_.hi[axis]-domain_.lo[axis])) fprintf(stderr,"   border %zu %.17g %.17g\n", i, mesh_.nodes[i].uv.x, mesh_.nodes[i].uv.y);}
     for (std::size_t i = 0; i + 1 < along.size(); ++i) {
       const std::uint32_t a = along[i].second, b = along[i + 1].second;
       if (border_.count(key_of(a, b))) continue;

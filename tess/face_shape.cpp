@@ -67,16 +67,18 @@ double sphere_bound(const Sphere& sphere, const std::array<Point3, 3>& S) {
 
 namespace {
 
-// Beyond the knots by rounding is at the knots.
+// A domain that reaches beyond a knot by rounding only ends at that knot.
 Box2 bend_domain(const Face& face) {
   constexpr double kRounding = 1e-9;
-  if (!std::holds_alternative<NurbsSurface>(face.surface)) return face.domain;
-  const Box2 natural = natural_domain(face.surface);
-  const Vec2 slack = kRounding * natural.size();
   Box2 box = face.domain;
+  const auto* nurbs = std::get_if<NurbsSurface>(&face.surface);
+  if (!nurbs) return box;
   for (int k = 0; k < 2; ++k) {
-    if (box.lo[k] < natural.lo[k] && box.lo[k] > natural.lo[k] - slack[k]) box.lo[k] = natural.lo[k];
-    if (box.hi[k] > natural.hi[k] && box.hi[k] < natural.hi[k] + slack[k]) box.hi[k] = natural.hi[k];
+    const double slack = kRounding * box.size()[k];
+    for (const double knot : k == 0 ? breakpoints(nurbs->knots_u, nurbs->degree_u) : breakpoints(nurbs->knots_v, nurbs->degree_v)) {
+      if (std::abs(knot - box.lo[k]) < slack) box.lo[k] = knot;
+      if (std::abs(knot - box.hi[k]) < slack) box.hi[k] = knot;
+    }
   }
   return box;
 }
@@ -153,7 +155,8 @@ SurfaceCorner FaceShape::foot(const Point3& x, UV uv, double& distance) const {
   return best;
 }
 
-FaceShape::Verdict FaceShape::divided(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most, int levels) const {
+FaceShape::Verdict FaceShape::divided(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most,
+                                      int levels) const {
   const int n = 1 << levels;
   // The grid's points by rows; corner points lie on the surface.
   std::array<SurfaceCorner, 45> feet;
@@ -162,9 +165,12 @@ FaceShape::Verdict FaceShape::divided(const SurfaceCorner& a, const SurfaceCorne
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i + j <= n; ++i) {
       SurfaceCorner& at = feet[index(i, j)];
-      if (i == n) at = b;
-      else if (j == n) at = c;
-      else if (i + j == 0) at = a;
+      if (i == n)
+        at = b;
+      else if (j == n)
+        at = c;
+      else if (i + j == 0)
+        at = a;
       else {
         const double y = double(i) / n, z = double(j) / n, x = 1 - y - z;
         double distance = 0;

@@ -32,9 +32,10 @@ class FaceShape {
   // and its neighbours. Infinite where nothing is proven. Closed forms for planes, cylinders, cones and spheres.
   double triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c) const;
 
-  // Whether the bound is at most `most`, found with as little work as that takes. Where `triangle_bound` is too coarse (rough surfaces, large
-  // triangles) the triangle is divided: its points are projected on the surface, which takes the shift along the surface out, and between
-  // them the same bound of the smaller triangles holds. `bound` is what was proven, or a distance that was found to be larger than `most`.
+  // Whether the bound is at most `most`, found with as little work as that takes. Where `triangle_bound` is too coarse (rough surfaces,
+  // large triangles) the triangle is divided: its points are projected on the surface, which takes the shift along the surface out, and
+  // between them the same bound of the smaller triangles holds. `bound` is what was proven, or a distance that was found to be larger than
+  // `most`.
   struct Verdict {
     bool within = false;
     double bound = 0;

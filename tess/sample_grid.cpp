@@ -157,7 +157,6 @@ SampleGrids sample_grids(const FaceShape& shape, const Box2& domain, double tole
   divider.fitted(whole);
   divider.divide(whole, 0);
   SampleGrids result{std::move(divider.grids), Vec2(1.0)};
-  if(getenv("DBG")) for (SampleGrid& grid : result.grids) { Bend b=shape.bend().over(grid.box); fprintf(stderr,"  grid %.17g..%.17g x %.17g..%.17g : %d x %d  uu %g..%g uv %g..%g vv %g..%g M %g %g %g\n",grid.box.lo.x,grid.box.hi.x,grid.box.lo.y,grid.box.hi.y,grid.columns,grid.rows,b.uu.lo,b.uu.hi,b.uv.lo,b.uv.hi,b.vv.lo,b.vv.hi,b.Muu,b.Muv,b.Mvv);}
   for (SampleGrid& grid : result.grids) limit_aspect(grid, shape);
 
   // The mean cell, weighted by the number of cells; a face that is one cell is measured in space.
