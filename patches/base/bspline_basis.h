@@ -1,6 +1,7 @@
 // B-spline basis functions with derivatives, and knot spans.  [Piegl & Tiller, The NURBS Book, A2.1 to A2.3]
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -26,22 +27,6 @@ struct BasisDerivatives {
   std::array<std::array<double, kMaxDegree + 1>, 3> N;
 };
 
-inline void basis_functions(const std::vector<double>& knots, int degree, int span, double t, double* N) {
-  std::array<double, kMaxDegree + 1> left{}, right{};
-  N[0] = 1;
-  for (int j = 1; j <= degree; ++j) {
-    left[j] = t - knots[span + 1 - j];
-    right[j] = knots[span + j] - t;
-    double saved = 0;
-    for (int r = 0; r < j; ++r) {
-      const double part = N[r] / (right[r + 1] + left[j - r]);
-      N[r] = saved + right[r + 1] * part;
-      saved = left[j - r] * part;
-    }
-    N[j] = saved;
-  }
-}
-
 // Derivatives from the functions of one and two degrees less: N_p' = p (N_{p-1,i} / d_i - N_{p-1,i+1} / d_{i+1}).
 inline void raise_derivative(const std::vector<double>& knots, int degree, int span, const double* lower, double* out) {
   for (int j = 0; j <= degree; ++j) {
@@ -53,16 +38,29 @@ inline void raise_derivative(const std::vector<double>& knots, int degree, int s
   }
 }
 
+// One pass from degree 0 up; the functions of the last two degrees below are kept on the way.
 inline BasisDerivatives basis_derivatives(const std::vector<double>& knots, int degree, int span, double t) {
-  BasisDerivatives b{};
-  basis_functions(knots, degree, span, t, b.N[0].data());
-  std::array<double, kMaxDegree + 1> lower{}, lowest{}, lower_d{};
-  if (degree >= 1) {
-    basis_functions(knots, degree - 1, span, t, lower.data());
-    raise_derivative(knots, degree, span, lower.data(), b.N[1].data());
+  BasisDerivatives b;
+  std::array<double, kMaxDegree + 1> left, right, lower, lowest, lower_d;
+  double* N = b.N[0].data();
+  N[0] = 1;
+  for (int j = 1; j <= degree; ++j) {
+    if (j == degree - 1) std::copy_n(N, j, lowest.data());
+    if (j == degree) std::copy_n(N, j, lower.data());
+    left[j] = t - knots[span + 1 - j];
+    right[j] = knots[span + j] - t;
+    double saved = 0;
+    for (int r = 0; r < j; ++r) {
+      const double part = N[r] / (right[r + 1] + left[j - r]);
+      N[r] = saved + right[r + 1] * part;
+      saved = left[j - r] * part;
+    }
+    N[j] = saved;
   }
+  std::fill_n(b.N[1].data(), degree + 1, 0.0);
+  std::fill_n(b.N[2].data(), degree + 1, 0.0);
+  if (degree >= 1) raise_derivative(knots, degree, span, lower.data(), b.N[1].data());
   if (degree >= 2) {
-    basis_functions(knots, degree - 2, span, t, lowest.data());
     raise_derivative(knots, degree - 1, span, lowest.data(), lower_d.data());
     raise_derivative(knots, degree, span, lower_d.data(), b.N[2].data());
   }
