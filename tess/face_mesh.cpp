@@ -168,7 +168,7 @@ class FaceMesher {
       const Vec2 d = points[t.v[static_cast<std::size_t>(k)]] - points[t.v[static_cast<std::size_t>((k + 1) % 3)]];
       if (glm::dot(d, d) > kManyCells * kManyCells) return true;
     }
-    return exceeds(t);
+    return exceeds(triangle);
   }
 
   // The corners of the grid's cells; of its border those on the low sides, unless that is the border of the face's box.
@@ -238,8 +238,15 @@ class FaceMesher {
     return sliver;
   }
 
-  FaceShape::Verdict verdict_of(const Corners& t, double most) const {
-    return shape_.keeps(corner(t.v[0]), corner(t.v[1]), corner(t.v[2]), most);
+  // What was proven of a triangle is kept as long as it has the same corners.
+  FaceShape::Verdict verdict_of(std::uint32_t triangle, double most) const {
+    const Corners& t = triangulation_->triangles()[triangle];
+    if (triangle >= proven_.size()) proven_.resize(triangulation_->triangles().size());
+    Proven& known = proven_[triangle];
+    if (known.v == t.v && known.bound <= most) return {true, known.bound};
+    const FaceShape::Verdict verdict = shape_.keeps(corner(t.v[0]), corner(t.v[1]), corner(t.v[2]), most);
+    if (verdict.within) known = {t.v, verdict.bound};
+    return verdict;
   }
 
   bool turns_too_far(const Corners& t) const {
@@ -253,9 +260,9 @@ class FaceMesher {
   }
 
   // Whether a triangle is beyond what it is allowed and needs a point.
-  bool exceeds(const Corners& t) const {
-    const double most = policy_.distance - sliver_of(t);
-    return !verdict_of(t, most).within || turns_too_far(t);
+  bool exceeds(std::uint32_t triangle) const {
+    const Corners& t = triangulation_->triangles()[triangle];
+    return !verdict_of(triangle, policy_.distance - sliver_of(t)).within || turns_too_far(t);
   }
 
   void refine() {
@@ -266,7 +273,7 @@ class FaceMesher {
     const std::size_t most = 1000000 + 100 * mesh_.nodes.size();
     for (std::size_t i = 0; i < work.size() && inserted < most; ++i) {
       const Corners t = triangulation_->triangles()[work[i]];
-      if (!t.inside || !exceeds(t)) continue;
+      if (!t.inside || !exceeds(work[i])) continue;
       if (!divide(t)) continue;
       ++inserted;
       for (std::uint32_t changed : triangulation_->changed())
@@ -315,9 +322,10 @@ class FaceMesher {
   // ---- result ----
 
   void collect_triangles() {
-    for (const Corners& t : triangulation_->triangles()) {
+    for (std::uint32_t i = 0; i < triangulation_->triangles().size(); ++i) {
+      const Corners& t = triangulation_->triangles()[i];
       if (!t.inside) continue;
-      const double sliver = sliver_of(t), bound = verdict_of(t, policy_.distance - sliver).bound + sliver;
+      const double sliver = sliver_of(t), bound = verdict_of(i, policy_.distance - sliver).bound + sliver;
       if (same_point(t.v[0], t.v[1]) || same_point(t.v[1], t.v[2]) || same_point(t.v[2], t.v[0])) {
         ++mesh_.collapsed;
         continue;
@@ -349,6 +357,11 @@ class FaceMesher {
   std::vector<std::pair<std::size_t, std::size_t>> loop_ends_;
   std::vector<Point3> surface_points_;  // of the nodes: on this face's own surface
   std::optional<Triangulation> triangulation_;
+  struct Proven {
+    std::array<std::uint32_t, 3> v{};
+    double bound = kInf;
+  };
+  mutable std::vector<Proven> proven_;  // of each triangle of the triangulation
   std::vector<std::uint32_t> node_of_;  // of each vertex of the triangulation
   std::unordered_map<std::uint64_t, BorderSegment> border_;
   std::uint32_t near_ = Triangulation::kNone, located_ = 0;

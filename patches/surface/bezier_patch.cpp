@@ -217,19 +217,15 @@ BezierPiece nurbs_piece(const NurbsSurface& s, const KnotPiece& ku, const KnotPi
   piece.patch.pu = s.degree_u;
   piece.patch.pv = s.degree_v;
   // First along v for the rows that matter, then along u.
-  std::vector<std::vector<Vec4>> rows;
-  for (int i = ku.span - s.degree_u; i <= ku.span; ++i) {
-    const std::vector<Vec4> row(s.poles.begin() + static_cast<std::ptrdiff_t>(i) * s.count_v,
-                                s.poles.begin() + static_cast<std::ptrdiff_t>(i + 1) * s.count_v);
-    rows.push_back(bezier_points_of_row(s.knots_v, s.degree_v, row, kv.span, kv.a, kv.b));
+  const std::size_t row = static_cast<std::size_t>(s.degree_v) + 1, first_v = static_cast<std::size_t>(kv.span - s.degree_v);
+  std::vector<Vec4> rows(static_cast<std::size_t>(s.degree_u + 1) * row);
+  for (int i = 0; i <= s.degree_u; ++i) {
+    const Vec4* poles = &s.poles[static_cast<std::size_t>(ku.span - s.degree_u + i) * static_cast<std::size_t>(s.count_v) + first_v];
+    bezier_points_of_row(s.knots_v, s.degree_v, poles, 1, kv.span, kv.a, kv.b, &rows[static_cast<std::size_t>(i) * row], 1);
   }
-  piece.patch.net.resize(static_cast<std::size_t>(s.degree_u + 1) * (s.degree_v + 1));
-  for (int j = 0; j <= s.degree_v; ++j) {
-    std::vector<Vec4> column(static_cast<std::size_t>(s.count_u), Vec4(0.0));
-    for (int i = 0; i <= s.degree_u; ++i) column[ku.span - s.degree_u + i] = rows[i][j];
-    const std::vector<Vec4> points = bezier_points_of_row(s.knots_u, s.degree_u, column, ku.span, ku.a, ku.b);
-    for (int i = 0; i <= s.degree_u; ++i) piece.patch.at(i, j) = points[i];
-  }
+  piece.patch.net.resize(rows.size());
+  for (std::size_t j = 0; j < row; ++j)
+    bezier_points_of_row(s.knots_u, s.degree_u, &rows[j], row, ku.span, ku.a, ku.b, &piece.patch.net[j], row);
   return piece;
 }
 
