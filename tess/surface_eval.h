@@ -30,11 +30,18 @@ class BasisPowers {
   // also serve what lies beyond the domain; at a knot, the span to the right.
   int values(double t, double* N, double* D) const;
 
- private:
   struct Span {
     double begin = 0, middle = 0, per_half = 0;  // per_half: 1 / half of the width
-    int first = 0;
+    int first = 0;                               // of the functions that are not zero
   };
+  const std::vector<Span>& spans() const { return spans_; }
+  // The coefficients of ((t - middle) per_half)^power of the degree + 1 functions of a span.
+  const double* powers_of(std::size_t span, int power) const {
+    const auto n = static_cast<std::size_t>(degree_) + 1;
+    return &powers_[(span * n + n - 1 - static_cast<std::size_t>(power)) * n];
+  }
+
+ private:
   int degree_ = 0;
   double at_ = 0, buckets_per_unit_ = 0;
   std::vector<Span> spans_;
