@@ -1,8 +1,10 @@
 // Bernstein polynomials on [0, 1]: values, derivatives, splitting, products and roots. Coefficients in rising order.
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "patches/base/bspline_basis.h"
 #include "patches/base/vec.h"
 
 namespace iso {
@@ -53,6 +55,12 @@ std::vector<T> bernstein_derivative(const std::vector<T>& c) {
   if (d.empty()) d.push_back(T{});
   return d;
 }
+
+// The basis of one degree and its derivatives at s.
+struct BernsteinBasis {
+  std::array<double, kMaxDegree + 1> B, D;
+};
+void bernstein_basis(int degree, double s, BernsteinBasis& b);
 
 // Coefficients of the product, degree m + n.
 std::vector<double> bernstein_product(const std::vector<double>& a, const std::vector<double>& b);

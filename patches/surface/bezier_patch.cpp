@@ -8,32 +8,6 @@
 
 namespace iso {
 
-namespace {
-
-// Bernstein values and derivatives of one degree at s.
-struct BernsteinBasis {
-  std::array<double, kMaxDegree + 1> B, D;
-};
-
-void bernstein_basis(int degree, double s, BernsteinBasis& b) {
-  const double r = 1 - s;
-  b.B[0] = 1;
-  for (int n = 1; n <= degree; ++n) {
-    if (n == degree)  // derivative from the functions of one degree less
-      for (int i = 0; i <= degree; ++i) b.D[i] = degree * ((i > 0 ? b.B[i - 1] : 0.0) - (i < degree ? b.B[i] : 0.0));
-    double carried = 0;
-    for (int i = 0; i < n; ++i) {
-      const double value = b.B[i];
-      b.B[i] = carried + r * value;
-      carried = s * value;
-    }
-    b.B[n] = carried;
-  }
-  if (degree == 0) b.D[0] = 0;
-}
-
-}  // namespace
-
 HomogeneousJet homogeneous_jet(const BezierPatch& patch, const Vec2& st) {
   BernsteinBasis bs, bt;
   bernstein_basis(patch.pu, st.x, bs);
