@@ -3,9 +3,9 @@
 #include <array>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
-#include <mutex>
 
 #include "patches/base/bernstein.h"
+#include "patches/base/per_degree.h"
 #include "patches/cells.h"
 
 namespace iso {
@@ -29,16 +29,6 @@ constexpr int kReducedDegree = 3;
 constexpr double kMostLoss = 1.0 / 16;
 
 // ---- what depends on the degree alone ----------------------------------------------------------------------------------
-
-// `make(degree)`, made when first asked for.
-template <class T, T (*make)(int)>
-const T& of_degree(int degree) {
-  static std::array<std::once_flag, kMaxDegree + 1> flags;
-  static std::array<T, kMaxDegree + 1> made;
-  const auto k = static_cast<std::size_t>(degree);
-  std::call_once(flags[k], [&] { made[k] = make(degree); });
-  return made[k];
-}
 
 // The basis at the low margin, in the middle and at the high margin.
 using CrossBasis = std::array<BernsteinBasis, 3>;
@@ -109,27 +99,36 @@ Matrix make_elevation(int degree) {
   return m;
 }
 
-// The nets with `m` applied to every line along s, along t.
+// The nets with `m` applied to every line along s, along t. Over plain numbers, which compilers make vectors of.
 void map_along_s(const Matrix& m, const BezierPatch& in, BezierPatch& out) {
   out.pu = m.rows - 1;
   out.pv = in.pv;
-  out.net.assign(static_cast<std::size_t>(m.rows) * (in.pv + 1), Vec4(0.0));
-  for (int i = 0; i < m.rows; ++i)
-    for (int k = 0; k < m.columns; ++k) {
-      const double factor = m.at(i, k);
-      for (int j = 0; j <= in.pv; ++j) out.at(i, j) += factor * in.at(k, j);
-    }
+  const std::size_t length = 4 * (static_cast<std::size_t>(in.pv) + 1);
+  out.net.resize(static_cast<std::size_t>(m.rows) * (in.pv + 1));
+  const double* factor = m.entries.data();
+  double* to = &out.net[0].x;
+  for (int i = 0; i < m.rows; ++i, to += length) {
+    const double* __restrict from = &in.net[0].x;
+    for (std::size_t n = 0; n < length; ++n) to[n] = *factor * from[n];
+    for (++factor, from += length; from < &in.net[0].x + length * m.columns; ++factor, from += length)
+      for (std::size_t n = 0; n < length; ++n) to[n] += *factor * from[n];
+  }
 }
 void map_along_t(const Matrix& m, const BezierPatch& in, BezierPatch& out) {
   out.pu = in.pu;
   out.pv = m.rows - 1;
   out.net.resize(static_cast<std::size_t>(in.pu + 1) * m.rows);
-  for (int i = 0; i <= in.pu; ++i)
-    for (int j = 0; j < m.rows; ++j) {
-      Vec4 sum{0.0};
-      for (int k = 0; k < m.columns; ++k) sum += m.at(j, k) * in.at(i, k);
-      out.at(i, j) = sum;
+  Vec4* to = out.net.data();
+  for (int i = 0; i <= in.pu; ++i) {
+    const double* factor = m.entries.data();
+    for (int j = 0; j < m.rows; ++j, ++to) {
+      const double* from = &in.at(i, 0).x;
+      double sum[4] = {};
+      for (int k = 0; k < m.columns; ++k, ++factor, from += 4)
+        for (int n = 0; n < 4; ++n) sum[n] += *factor * from[n];
+      *to = {sum[0], sum[1], sum[2], sum[3]};
     }
+  }
 }
 
 // ---- samples -----------------------------------------------------------------------------------------------------------

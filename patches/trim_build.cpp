@@ -215,6 +215,34 @@ void TrimRegion::bound_clip(Clip& clip) const {
   clip.hi = std::nextafter(static_cast<float>(across.hi + rounding), kFar);
 }
 
+// Where the monotone piece from `start` to `end` crosses a line that lies between them in coordinate c. Regula falsi; an end that stays
+// counts for half each time [Dowell & Jarratt 1971, the Illinois method], and a bracket that has not halved in four steps is bisected.
+double TrimRegion::crossing(const TrimPiece& piece, int c, double line, const UV& start, const UV& end) const {
+  constexpr int kMostSteps = 4 * 53;
+  const double rounding = kEps * std::max(std::abs(start[c]), std::abs(end[c]));
+  double a = 0, b = 1, before = start[c] - line, after = end[c] - line, width = 2;
+  if (piece.degree == 1 && piece.polynomial) return before / (before - after);
+  for (int step = 0; step < kMostSteps && b - a > 0.5 * kEps; ++step) {
+    const bool slow = step % 4 == 0 && b - a > 0.5 * width;
+    if (step % 4 == 0) width = b - a;
+    double m = slow ? 0.5 * (a + b) : a + (b - a) * (before / (before - after));
+    if (!(m > a && m < b)) m = 0.5 * (a + b);
+    if (!(m > a && m < b)) break;
+    const double here = point_at(piece, m)[c] - line;
+    if (std::abs(here) <= rounding) return m;
+    if ((here < 0) == (before < 0)) {
+      a = m;
+      before = here;
+      after *= 0.5;
+    } else {
+      b = m;
+      after = here;
+      before *= 0.5;
+    }
+  }
+  return 0.5 * (a + b);
+}
+
 void TrimRegion::cut_at_grid(std::uint32_t k, CellParts& parts) const {
   const TrimPiece& piece = pieces_[k];
   const UV start = point_at(piece, 0), end = point_at(piece, 1);
@@ -226,17 +254,12 @@ void TrimRegion::cut_at_grid(std::uint32_t k, CellParts& parts) const {
     for (int i = first; i <= last + 1; ++i) {
       const double line = box_.lo[c] + i * step_[c];
       if (!(lo < line && line < hi)) continue;
-      double a = 0, b = 1;
-      const bool rising = end[c] > start[c];
-      for (int step = 0; step < 56; ++step) {
-        const double m = 0.5 * (a + b);
-        ((point_at(piece, m)[c] < line) == rising ? a : b) = m;
-      }
-      UV p = point_at(piece, 0.5 * (a + b));
+      const double t = crossing(piece, c, line, start, end);
+      UV p = point_at(piece, t);
       p[c] = line;
       p = glm::clamp(p, piece.box.lo, piece.box.hi);
       p[c] = line;
-      cuts.push_back({0.5 * (a + b), p, {c == 0, c == 1}});
+      cuts.push_back({t, p, {c == 0, c == 1}});
     }
   }
   // In order along the piece; its ends stay first and last whatever the others' rounded t, and equal t go by the coordinates.

@@ -184,35 +184,32 @@ std::vector<KnotPiece> knot_pieces(const std::vector<double>& knots, int degree,
   return out;
 }
 
-BezierPiece nurbs_piece(const NurbsSurface& s, const KnotPiece& ku, const KnotPiece& kv) {
-  BezierPiece piece;
-  piece.u = {ParamMap::Kind::affine, ku.a, ku.b};
-  piece.v = {ParamMap::Kind::affine, kv.a, kv.b};
-  piece.patch.pu = s.degree_u;
-  piece.patch.pv = s.degree_v;
-  // First along v for the rows that matter, then along u.
-  std::vector<std::vector<Vec4>> rows;
-  for (int i = ku.span - s.degree_u; i <= ku.span; ++i) {
-    const std::vector<Vec4> row(s.poles.begin() + static_cast<std::ptrdiff_t>(i) * s.count_v,
-                                s.poles.begin() + static_cast<std::ptrdiff_t>(i + 1) * s.count_v);
-    rows.push_back(bezier_points_of_row(s.knots_v, s.degree_v, row, kv.span, kv.a, kv.b));
-  }
-  piece.patch.net.resize(static_cast<std::size_t>(s.degree_u + 1) * (s.degree_v + 1));
-  for (int j = 0; j <= s.degree_v; ++j) {
-    std::vector<Vec4> column(static_cast<std::size_t>(s.count_u), Vec4(0.0));
-    for (int i = 0; i <= s.degree_u; ++i) column[ku.span - s.degree_u + i] = rows[i][j];
-    const std::vector<Vec4> points = bezier_points_of_row(s.knots_u, s.degree_u, column, ku.span, ku.a, ku.b);
-    for (int i = 0; i <= s.degree_u; ++i) piece.patch.at(i, j) = points[i];
-  }
-  return piece;
-}
-
+// Along v first, for all rows of poles.
 std::vector<BezierPiece> pieces_of(const NurbsSurface& s, const Box2& uv) {
   std::vector<BezierPiece> pieces;
   const auto us = knot_pieces(s.knots_u, s.degree_u, uv.lo.x, uv.hi.x);
   const auto vs = knot_pieces(s.knots_v, s.degree_v, uv.lo.y, uv.hi.y);
-  for (const KnotPiece& ku : us)
-    for (const KnotPiece& kv : vs) pieces.push_back(nurbs_piece(s, ku, kv));
+  const std::size_t across = static_cast<std::size_t>(s.degree_v) + 1, columns = across * vs.size();
+  std::vector<Vec4> rows(static_cast<std::size_t>(s.count_u) * columns);
+  for (std::size_t k = 0; k < vs.size(); ++k) {
+    const SpanBlossom blossom(s.knots_v, s.degree_v, vs[k].span, vs[k].a, vs[k].b);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(s.count_u); ++i)
+      blossom.points(&s.poles[i * s.count_v + blossom.first_pole()], 1, &rows[i * columns + k * across], 1);
+  }
+  pieces.reserve(us.size() * vs.size());
+  for (const KnotPiece& ku : us) {
+    const SpanBlossom blossom(s.knots_u, s.degree_u, ku.span, ku.a, ku.b);
+    for (std::size_t k = 0; k < vs.size(); ++k) {
+      BezierPiece& piece = pieces.emplace_back();
+      piece.u = {ParamMap::Kind::affine, ku.a, ku.b};
+      piece.v = {ParamMap::Kind::affine, vs[k].a, vs[k].b};
+      piece.patch.pu = s.degree_u;
+      piece.patch.pv = s.degree_v;
+      piece.patch.net.resize((static_cast<std::size_t>(s.degree_u) + 1) * across);
+      for (std::size_t j = 0; j < across; ++j)
+        blossom.points(&rows[blossom.first_pole() * columns + k * across + j], columns, &piece.patch.net[j], across);
+    }
+  }
   return pieces;
 }
 
