@@ -5,6 +5,7 @@
 #include <glm/matrix.hpp>
 
 #include "patches/base/bernstein.h"
+#include "patches/base/four.h"
 #include "patches/base/per_degree.h"
 #include "patches/cells.h"
 
@@ -99,19 +100,19 @@ Matrix make_elevation(int degree) {
   return m;
 }
 
-// The nets with `m` applied to every line along s, along t. Over plain numbers, which compilers make vectors of.
+// The nets with `m` applied to every line along s, along t.
 void map_along_s(const Matrix& m, const BezierPatch& in, BezierPatch& out) {
   out.pu = m.rows - 1;
   out.pv = in.pv;
-  const std::size_t length = 4 * (static_cast<std::size_t>(in.pv) + 1);
   out.net.resize(static_cast<std::size_t>(m.rows) * (in.pv + 1));
-  const double* factor = m.entries.data();
-  double* to = &out.net[0].x;
-  for (int i = 0; i < m.rows; ++i, to += length) {
-    const double* __restrict from = &in.net[0].x;
-    for (std::size_t n = 0; n < length; ++n) to[n] = *factor * from[n];
-    for (++factor, from += length; from < &in.net[0].x + length * m.columns; ++factor, from += length)
-      for (std::size_t n = 0; n < length; ++n) to[n] += *factor * from[n];
+  const std::size_t columns = static_cast<std::size_t>(in.pv) + 1;
+  for (std::size_t j = 0; j < columns; ++j) {
+    const double* factor = m.entries.data();
+    for (std::size_t i = 0; i <= static_cast<std::size_t>(out.pu); ++i) {
+      Four sum{};
+      for (int k = 0; k < m.columns; ++k, ++factor) sum += *factor * Four(in.net[static_cast<std::size_t>(k) * columns + j]);
+      sum.store(out.net[i * columns + j]);
+    }
   }
 }
 void map_along_t(const Matrix& m, const BezierPatch& in, BezierPatch& out) {
@@ -120,13 +121,12 @@ void map_along_t(const Matrix& m, const BezierPatch& in, BezierPatch& out) {
   out.net.resize(static_cast<std::size_t>(in.pu + 1) * m.rows);
   Vec4* to = out.net.data();
   for (int i = 0; i <= in.pu; ++i) {
+    const Vec4* row = &in.at(i, 0);
     const double* factor = m.entries.data();
     for (int j = 0; j < m.rows; ++j, ++to) {
-      const double* from = &in.at(i, 0).x;
-      double sum[4] = {};
-      for (int k = 0; k < m.columns; ++k, ++factor, from += 4)
-        for (int n = 0; n < 4; ++n) sum[n] += *factor * from[n];
-      *to = {sum[0], sum[1], sum[2], sum[3]};
+      Four sum{};
+      for (int k = 0; k < m.columns; ++k, ++factor) sum += *factor * Four(row[k]);
+      sum.store(*to);
     }
   }
 }
@@ -146,16 +146,30 @@ Slopes slopes_of(const HomogeneousJet& j, bool rational) {
 
 // A line of the net's values and slopes across, evaluated along.
 struct CrossLine {
-  std::array<Vec4, kMaxDegree + 1> value, slope;
+  std::array<Four, kMaxDegree + 1> value, slope;
+
+  // Of `lines` lines of degree `across`, from net[0], net[line], ...; their points lie `step` apart.
+  CrossLine(const Vec4* net, int lines, std::size_t line, int across, std::size_t step, const BernsteinBasis& basis) {
+    for (int i = 0; i < lines; ++i, net += line) {
+      Four v{}, d{};
+      for (int j = 0; j <= across; ++j) {
+        const Four h(net[static_cast<std::size_t>(j) * step]);
+        v += basis.B[j] * h;
+        d += basis.D[j] * h;
+      }
+      value[i] = v;
+      slope[i] = d;
+    }
+  }
 
   HomogeneousJet at(int degree, const BernsteinBasis& basis) const {
-    HomogeneousJet jet;
+    Four H{}, Hs{}, Ht{};
     for (int i = 0; i <= degree; ++i) {
-      jet.H += basis.B[i] * value[i];
-      jet.Hs += basis.D[i] * value[i];
-      jet.Ht += basis.B[i] * slope[i];
+      H += basis.B[i] * value[i];
+      Hs += basis.D[i] * value[i];
+      Ht += basis.B[i] * slope[i];
     }
-    return jet;
+    return {Vec4(H), Vec4(Hs), Vec4(Ht)};
   }
 };
 
@@ -169,20 +183,9 @@ bool is_rational(const BezierPatch& patch) {
 
 LinearModel sampled_model(const BezierPatch& patch, bool rational) {
   const CrossBasis &bs = of_degree<CrossBasis, make_cross_basis>(patch.pu), &bt = of_degree<CrossBasis, make_cross_basis>(patch.pv);
-  CrossLine along_s, along_t;  // through the middle
-  for (int j = 0; j <= patch.pv; ++j) along_t.value[j] = along_t.slope[j] = Vec4(0.0);
-  for (int i = 0; i <= patch.pu; ++i) {
-    Vec4 value{0.0}, slope{0.0};
-    for (int j = 0; j <= patch.pv; ++j) {
-      const Vec4& h = patch.at(i, j);
-      value += bt[1].B[j] * h;
-      slope += bt[1].D[j] * h;
-      along_t.value[j] += bs[1].B[i] * h;
-      along_t.slope[j] += bs[1].D[i] * h;
-    }
-    along_s.value[i] = value;
-    along_s.slope[i] = slope;
-  }
+  const std::size_t columns = static_cast<std::size_t>(patch.pv) + 1;  // lines through the middle
+  const CrossLine along_s(patch.net.data(), patch.pu + 1, columns, patch.pv, 1, bt[1]);
+  const CrossLine along_t(patch.net.data(), patch.pv + 1, 1, patch.pu, columns, bs[1]);
   LinearModel m;
   const HomogeneousJet middle = along_s.at(patch.pu, bs[1]);
   const Slopes model = slopes_of(middle, rational);
@@ -227,13 +230,19 @@ namespace {
 
 void bound_polynomial(const BezierPatch& patch, LinearModel& m) {
   const int pu = patch.pu, pv = patch.pv;
-  const double scale = 0.5 / patch.net.front().w;
-  for (int i = 0; i < pu; ++i)
-    for (int j = 0; j <= pv; ++j) m.stray_a.include_square(scale * pu * (Vec3(patch.at(i + 1, j)) - Vec3(patch.at(i, j))) - m.A, m.normal);
+  const double scale = 0.5 / patch.net.front().w, scale_s = scale * pu, scale_t = scale * pv;
+  const Vec3 A = m.A, B = m.B, normal = m.normal;
+  Stray a, b;
+  const Vec4* net = patch.net.data();
   for (int i = 0; i <= pu; ++i)
-    for (int j = 0; j < pv; ++j) m.stray_b.include_square(scale * pv * (Vec3(patch.at(i, j + 1)) - Vec3(patch.at(i, j))) - m.B, m.normal);
-  m.stray_a.take_roots();
-  m.stray_b.take_roots();
+    for (int j = 0; j <= pv; ++j, ++net) {
+      if (i < pu) a.include_square(scale_s * (Vec3(net[pv + 1]) - Vec3(net[0])) - A, normal);
+      if (j < pv) b.include_square(scale_t * (Vec3(net[1]) - Vec3(net[0])) - B, normal);
+    }
+  a.take_roots();
+  b.take_roots();
+  m.stray_a = a;
+  m.stray_b = b;
 }
 
 // Bounds of a net's points and weights, and of their half-width derivatives.
@@ -281,39 +290,42 @@ void StrayBounds::bound_quotients(const BezierPatch& net, LinearModel& m) {
   for (int i = 0; i <= pu; ++i)
     for (int j = 0; j <= pv; ++j) points_.emplace_back(project(net.at(i, j)), net.at(i, j).w * cu[i] * cv[j]);
   bins_.assign(static_cast<std::size_t>(rows) * columns, {});
-  const auto meet = [](const Vec4& a, const Vec4& b, double di, double dj, Bin& bin) {
-    const double weight = a.w * b.w;
-    const Vec4 d(weight * (Vec3(b) - Vec3(a)), weight);
-    bin.s += Vec4(di, di, di, 1.0) * d;
+  const auto meet = [](const Four& a, double weight, const Four& b, double di, double dj, Bin& bin) {
+    const Four between = b - a, d = weight * Four(between.lo, Four::Pair{between.hi[0], 1.0});
+    bin.s += Four(di * d.lo, Four::Pair{di, 1.0} * d.hi);
     bin.t += dj * d;
   };
   const Vec4* a = points_.data();
   for (int i = 0; i <= pu; ++i)
     for (int j = 0; j <= pv; ++j, ++a) {
       Bin* bins = &bins_[static_cast<std::size_t>(2 * i) * columns + j];
-      bins[j].s.w += 0.5 * a->w * a->w;
-      for (int l = j + 1; l <= pv; ++l) meet(*a, a[l - j], 0, l - j, bins[l]);
+      const Four here(*a);
+      bins[j].s.hi[1] += 0.5 * a->w * a->w;
+      for (int l = j + 1; l <= pv; ++l) meet(here, a->w * a[l - j].w, Four(a[l - j]), 0, l - j, bins[l]);
       for (int k = i + 1; k <= pu; ++k) {
         bins += columns;
         const Vec4* b = &points_[static_cast<std::size_t>(k) * (pv + 1)];
-        for (int l = 0; l <= pv; ++l) meet(*a, b[l], k - i, l - j, bins[l]);
+        for (int l = 0; l <= pv; ++l) meet(here, a->w * b[l].w, Four(b[l]), k - i, l - j, bins[l]);
       }
     }
-  m.stray_a = m.stray_b = {};
+  Stray stray_a, stray_b;
+  const Vec3 A = m.A, B = m.B, normal = m.normal;
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {
       const Bin* bin = &bins_[static_cast<std::size_t>(r) * columns + c];
-      Vec4 s = 2.0 * bin->s, t = 2.0 * bin->t;
+      Four s = 2.0 * bin->s, t = 2.0 * bin->t;
       if (r > 0) s += bin[-columns].s;
       if (r + 1 < rows) s += bin[columns].s;
       if (c > 0) t += bin[-1].t;
       if (c + 1 < columns) t += bin[1].t;
-      const double scale = 0.25 / bin->s.w;
-      m.stray_a.include_square(scale * Vec3(s) - m.A, m.normal);
-      m.stray_b.include_square(scale * Vec3(t) - m.B, m.normal);
+      const double scale = 0.25 / bin->s.hi[1];
+      stray_a.include_square(scale * Vec3(Vec4(s)) - A, normal);
+      stray_b.include_square(scale * Vec3(Vec4(t)) - B, normal);
     }
-  m.stray_a.take_roots();
-  m.stray_b.take_roots();
+  stray_a.take_roots();
+  stray_b.take_roots();
+  m.stray_a = stray_a;
+  m.stray_b = stray_b;
 }
 
 // With P = Q + R and w = v + r, Q and v of low degree: P_s w - P w_s is Q_s v - Q v_s and what R and r bring in.

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "patches/base/four.h"
 #include "patches/surface/bezier_patch.h"
 
 namespace iso {
@@ -66,9 +67,9 @@ class StrayBounds {
   void bound(const BezierPatch& wide, bool rational, LinearModel& m);
 
  private:
-  // Sums of products that meet in one coefficient of the numerators of dS/ds and dS/dt; s.w: half the denominator's.
+  // Sums of products that meet in one coefficient of the numerators of dS/ds and dS/dt; the last of s: half the denominator's.
   struct Bin {
-    Vec4 s{0.0}, t{0.0};
+    Four s{}, t{};
   };
   void bound_rational(const BezierPatch& wide, LinearModel& m);
   bool bound_reduced(LinearModel& m);

@@ -121,8 +121,9 @@ class Division {
     const double tilt = tilt_of(m, slab);
     if (!last && tilt > policy_.bend) return false;
     Box3 box;
+    const bool plain = !rational_ && node.patch.net.front().w == 1;
     for (const Vec4& h : node.patch.net) {
-      const Point3 p = project(h);
+      const Point3 p = plain ? Vec3(h) : project(h);
       box.include(p);
       for (int k = 0; k < 3; ++k) slab.reach[k].include(glm::dot(slab.row[k], p - m.centre));
     }

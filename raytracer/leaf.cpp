@@ -92,6 +92,25 @@ void add_powers(PartGeometry& geometry, LeafPatch& patch) {
       geometry.powers[to] = static_cast<double>(sum);
       geometry.float_powers[to] = static_cast<float>(sum);
     }
+  patch.piece.patch.net = {};
+}
+
+// Row i: the i-th Bernstein coefficients of the powers of x = s - 1/2, blossoms at i ones and p - i zeros: the mean, over all choices of k
+// of these, of the products of +-1/2.
+std::vector<double> powers_in_bernstein(int degree) {
+  const auto choose = [](int n, int k) {
+    double c = k >= 0 && k <= n ? 1 : 0;
+    for (int m = 0; m < k && c > 0; ++m) c = c * (n - m) / (m + 1);
+    return c;
+  };
+  std::vector<double> rows;
+  for (int i = 0; i <= degree; ++i)
+    for (int k = 0; k <= degree; ++k) {
+      double sum = 0;
+      for (int m = 0; m <= k; ++m) sum += ((k - m) % 2 ? -1 : 1) * choose(i, m) * choose(degree - i, k - m);
+      rows.push_back(std::ldexp(sum / choose(degree, k), -k));
+    }
+  return rows;
 }
 
 // False for the kinds that go through their Bezier pieces.
@@ -146,6 +165,27 @@ void add_patches(PartGeometry& geometry, std::uint32_t index, const Face& face, 
 }
 
 }  // namespace
+
+void bernstein_form(const PartGeometry& geometry, const LeafPatch& patch, BezierPatch& net) {
+  net = patch.piece.patch;
+  if (patch.powers == LeafPatch::kNoPowers) return;
+  const int pu = net.pu, pv = net.pv, components = patch.rational ? 4 : 3;
+  const double* powers = &geometry.powers[patch.powers];
+  const double *u = of_degree<std::vector<double>, powers_in_bernstein>(pu).data(),
+               *v = of_degree<std::vector<double>, powers_in_bernstein>(pv).data();
+  net.net.assign((static_cast<std::size_t>(pu) + 1) * (pv + 1), Vec4(0, 0, 0, 1));
+  for (int i = 0; i <= pu; ++i)
+    for (int j = 0; j <= pv; ++j)
+      for (int c = 0; c < components; ++c) {
+        long double sum = 0;
+        for (int k = 0; k <= pu; ++k) {
+          long double row = 0;
+          for (int l = 0; l <= pv; ++l) row += static_cast<long double>(v[j * (pv + 1) + l]) * powers[(k * (pv + 1) + l) * components + c];
+          sum += u[i * (pu + 1) + k] * row;
+        }
+        net.at(i, j)[c] = static_cast<double>(sum);
+      }
+}
 
 namespace {
 

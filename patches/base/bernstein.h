@@ -46,6 +46,18 @@ std::vector<T> bernstein_part(const std::vector<T>& c, double s0, double s1) {
   return rest;
 }
 
+// The same in place, of the n + 1 coefficients row[0], row[step], ...
+template <class T>
+void bernstein_restrict(T* row, std::size_t step, int n, double lo, double hi) {
+  if (hi != 1)
+    for (int level = 1; level <= n; ++level)
+      for (int i = n; i >= level; --i) row[i * step] = (1 - hi) * row[(i - 1) * step] + hi * row[i * step];
+  if (lo == 0) return;
+  const double at = lo / hi;
+  for (int level = 1; level <= n; ++level)
+    for (int i = 0; i <= n - level; ++i) row[i * step] = (1 - at) * row[i * step] + at * row[(i + 1) * step];
+}
+
 // Coefficients of the derivative with respect to s.
 template <class T>
 std::vector<T> bernstein_derivative(const std::vector<T>& c) {

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "patches/base/bernstein.h"
-#include "patches/base/bspline_basis.h"
+#include "patches/base/four.h"
 #include "patches/curve/bspline_tools.h"
 
 namespace iso {
@@ -12,41 +12,27 @@ HomogeneousJet homogeneous_jet(const BezierPatch& patch, const Vec2& st) {
   BernsteinBasis bs, bt;
   bernstein_basis(patch.pu, st.x, bs);
   bernstein_basis(patch.pv, st.y, bt);
-  HomogeneousJet jet;
+  Four H{}, Hs{}, Ht{};
   const Vec4* row = patch.net.data();
   for (int i = 0; i <= patch.pu; ++i, row += patch.pv + 1) {
-    Vec4 value{0.0}, slope{0.0};
+    Four value{}, slope{};
     for (int j = 0; j <= patch.pv; ++j) {
-      value += bt.B[j] * row[j];
-      slope += bt.D[j] * row[j];
+      const Four h(row[j]);
+      value += bt.B[j] * h;
+      slope += bt.D[j] * h;
     }
-    jet.H += bs.B[i] * value;
-    jet.Hs += bs.D[i] * value;
-    jet.Ht += bs.B[i] * slope;
+    H += bs.B[i] * value;
+    Hs += bs.D[i] * value;
+    Ht += bs.B[i] * slope;
   }
-  return jet;
+  return {Vec4(H), Vec4(Hs), Vec4(Ht)};
 }
-
-namespace {
-
-// Restricts a row of n + 1 coefficients to [lo, hi], in place.
-void restrict_row(Vec4* row, std::size_t step, int n, double lo, double hi) {
-  if (hi != 1)
-    for (int level = 1; level <= n; ++level)
-      for (int i = n; i >= level; --i) row[i * step] = (1 - hi) * row[(i - 1) * step] + hi * row[i * step];
-  if (lo == 0) return;
-  const double at = lo / hi;
-  for (int level = 1; level <= n; ++level)
-    for (int i = 0; i <= n - level; ++i) row[i * step] = (1 - at) * row[i * step] + at * row[(i + 1) * step];
-}
-
-}  // namespace
 
 BezierPatch part_of(const BezierPatch& patch, const Vec2& lo, const Vec2& hi) {
   BezierPatch out = patch;
   const std::size_t columns = static_cast<std::size_t>(patch.pv) + 1;
-  for (int j = 0; j <= patch.pv; ++j) restrict_row(&out.net[static_cast<std::size_t>(j)], columns, patch.pu, lo.x, hi.x);
-  for (int i = 0; i <= patch.pu; ++i) restrict_row(&out.net[static_cast<std::size_t>(i) * columns], 1, patch.pv, lo.y, hi.y);
+  for (int j = 0; j <= patch.pv; ++j) bernstein_restrict(&out.net[static_cast<std::size_t>(j)], columns, patch.pu, lo.x, hi.x);
+  for (int i = 0; i <= patch.pu; ++i) bernstein_restrict(&out.net[static_cast<std::size_t>(i) * columns], 1, patch.pv, lo.y, hi.y);
   return out;
 }
 
@@ -58,13 +44,13 @@ void split_in_half(const BezierPatch& patch, int direction, BezierPatch& low, Be
   const int lines = direction == 0 ? patch.pv : patch.pu, degree = direction == 0 ? patch.pu : patch.pv;
   const std::size_t step = direction == 0 ? static_cast<std::size_t>(patch.pv) + 1 : 1,
                     across = direction == 0 ? 1 : static_cast<std::size_t>(patch.pv) + 1;
-  std::array<Vec4, kMaxDegree + 1> work;
+  std::array<Four, kMaxDegree + 1> work;
   for (int k = 0; k <= lines; ++k) {
     const std::size_t base = static_cast<std::size_t>(k) * across;
-    for (int i = 0; i <= degree; ++i) work[i] = patch.net[base + i * step];
+    for (int i = 0; i <= degree; ++i) work[i] = Four(patch.net[base + i * step]);
     for (int level = 0; level <= degree; ++level) {
-      low.net[base + level * step] = work[0];
-      high.net[base + (degree - level) * step] = work[degree - level];
+      work[0].store(low.net[base + level * step]);
+      work[degree - level].store(high.net[base + (degree - level) * step]);
       for (int i = 0; i + level < degree; ++i) work[i] = 0.5 * (work[i] + work[i + 1]);
     }
   }
