@@ -283,7 +283,7 @@ Sizes sizes_of(const BezierPatch& net) {
 // dS/ds - A = (P_s w - P w_s - A w^2) / w^2, with P about the middle. With binomials in them the coefficients of P and w multiply like
 // power series in s / (1 - s), and in P_s w - P w_s two control points a, b meet as (i_b - i_a) w_a w_b (S_b - S_a), two degrees lower in s
 // than w^2: raising multiplies by (1 + x)^2.
-void StrayBounds::bound_quotients(const BezierPatch& net, LinearModel& m) {
+void StrayBounds::multiply_out(const BezierPatch& net) {
   const int pu = net.pu, pv = net.pv, columns = 2 * pv + 1, rows = 2 * pu + 1;
   const Binomials &cu = binomials(pu), &cv = binomials(pv);
   points_.clear();
@@ -308,6 +308,11 @@ void StrayBounds::bound_quotients(const BezierPatch& net, LinearModel& m) {
         for (int l = 0; l <= pv; ++l) meet(here, a->w * b[l].w, Four(b[l]), k - i, l - j, bins[l]);
       }
     }
+}
+
+void StrayBounds::bound_quotients(const BezierPatch& net, LinearModel& m) {
+  multiply_out(net);
+  const int columns = 2 * net.pv + 1, rows = 2 * net.pu + 1;
   Stray stray_a, stray_b;
   const Vec3 A = m.A, B = m.B, normal = m.normal;
   for (int r = 0; r < rows; ++r)

@@ -73,6 +73,7 @@ class StrayBounds {
   };
   void bound_rational(const BezierPatch& wide, LinearModel& m);
   bool bound_reduced(LinearModel& m);
+  void multiply_out(const BezierPatch& net);
   void bound_quotients(const BezierPatch& net, LinearModel& m);
 
   BezierPatch centred_, reduced_, rest_, work_;

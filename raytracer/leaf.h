@@ -71,7 +71,8 @@ struct PartGeometry {
   std::size_t bytes() const;
 };
 
-// The net of a patch for the solver of last resort, from the powers: each coefficient to a few units in the last place of the largest.
+// The net of a patch for the solver of last resort, from the powers: each coefficient to some units in the last place of the
+// largest.
 void bernstein_form(const PartGeometry& geometry, const LeafPatch& patch, BezierPatch& net);
 
 // Divides all faces, in parallel. Boxes are inflated for the float rounding of rays that start on the part's box.
