@@ -26,10 +26,11 @@ struct BasisDerivatives {
   std::array<std::array<double, kMaxDegree + 1>, 3> N;
 };
 
-inline void basis_functions(const std::vector<double>& knots, int degree, int span, double t, double* N) {
-  std::array<double, kMaxDegree + 1> left{}, right{};
-  N[0] = 1;
-  for (int j = 1; j <= degree; ++j) {
+// Raises the functions N of degree j - 1 to degree j, for j = 1 .. degree in turn; `left` and `right` keep the distances to the knots.
+struct BasisRecursion {
+  std::array<double, kMaxDegree + 1> left, right;
+
+  void raise(const std::vector<double>& knots, int span, double t, int j, double* N) {
     left[j] = t - knots[span + 1 - j];
     right[j] = knots[span + j] - t;
     double saved = 0;
@@ -40,7 +41,7 @@ inline void basis_functions(const std::vector<double>& knots, int degree, int sp
     }
     N[j] = saved;
   }
-}
+};
 
 // Derivatives from the functions of one and two degrees less: N_p' = p (N_{p-1,i} / d_i - N_{p-1,i+1} / d_{i+1}).
 inline void raise_derivative(const std::vector<double>& knots, int degree, int span, const double* lower, double* out) {
@@ -54,15 +55,20 @@ inline void raise_derivative(const std::vector<double>& knots, int degree, int s
 }
 
 inline BasisDerivatives basis_derivatives(const std::vector<double>& knots, int degree, int span, double t) {
-  BasisDerivatives b{};
-  basis_functions(knots, degree, span, t, b.N[0].data());
-  std::array<double, kMaxDegree + 1> lower{}, lowest{}, lower_d{};
-  if (degree >= 1) {
-    basis_functions(knots, degree - 1, span, t, lower.data());
-    raise_derivative(knots, degree, span, lower.data(), b.N[1].data());
+  BasisDerivatives b;
+  BasisRecursion recursion;
+  std::array<double, kMaxDegree + 1> lower, lowest, lower_d;
+  double* N = b.N[0].data();
+  N[0] = 1;
+  for (int j = 0; j <= degree; ++j) {
+    if (j > 0) recursion.raise(knots, span, t, j, N);
+    if (j == degree - 2) std::copy(N, N + j + 1, lowest.begin());
+    if (j == degree - 1) std::copy(N, N + j + 1, lower.begin());
   }
+  std::fill_n(b.N[1].begin(), degree + 1, 0.0);
+  std::fill_n(b.N[2].begin(), degree + 1, 0.0);
+  if (degree >= 1) raise_derivative(knots, degree, span, lower.data(), b.N[1].data());
   if (degree >= 2) {
-    basis_functions(knots, degree - 2, span, t, lowest.data());
     raise_derivative(knots, degree - 1, span, lowest.data(), lower_d.data());
     raise_derivative(knots, degree, span, lower_d.data(), b.N[2].data());
   }

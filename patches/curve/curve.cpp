@@ -168,22 +168,11 @@ std::vector<BezierSpan<V>> spans_of(const Hyperbola<V>& c, double t0, double t1)
   return spans;
 }
 
-// The Bezier points of one knot span by blossoming: point j is the blossom at (a, .. a, b, .. b), b taken j times.
 template <class H>
 std::vector<H> bezier_points(const std::vector<double>& knots, int degree, const std::vector<H>& poles, int span, double a, double b) {
-  std::vector<H> out;
-  for (int j = 0; j <= degree; ++j) {
-    std::vector<H> work(poles.begin() + (span - degree), poles.begin() + span + 1);
-    for (int level = 1; level <= degree; ++level) {
-      const double t = level <= j ? b : a;
-      for (int i = degree; i >= level; --i) {
-        const int k = span - degree + i;
-        const double at = (t - knots[k]) / (knots[k + degree + 1 - level] - knots[k]);
-        work[i] = (1 - at) * work[i - 1] + at * work[i];
-      }
-    }
-    out.push_back(work[degree]);
-  }
+  const SpanBlossom blossom(knots, degree, span, a, b);
+  std::vector<H> out(static_cast<std::size_t>(degree) + 1);
+  blossom.points(&poles[static_cast<std::size_t>(blossom.first_pole())], 1, out.data(), 1);
   return out;
 }
 
@@ -216,9 +205,16 @@ std::vector<BezierSpan<V>> bezier_spans(const Curve<V>& curve, double t0, double
   return std::visit([=](const auto& c) { return spans_of(c, t0, t1); }, curve);
 }
 
-std::vector<Vec4> bezier_points_of_row(const std::vector<double>& knots, int degree, const std::vector<Vec4>& poles, int span, double a,
-                                       double b) {
-  return bezier_points(knots, degree, poles, span, a, b);
+SpanBlossom::SpanBlossom(const std::vector<double>& knots, int degree, int span, double a, double b)
+    : degree_(degree), first_pole_(span - degree) {
+  for (int j = 0; j <= degree; ++j)
+    for (int level = 1; level <= degree; ++level) {
+      const double t = level <= j ? b : a;
+      for (int i = degree; i >= level; --i) {
+        const int k = span - degree + i;
+        ratios_.push_back((t - knots[k]) / (knots[k + degree + 1 - level] - knots[k]));
+      }
+    }
 }
 
 template std::string problem_of(const NurbsCurve<Vec2>&);
