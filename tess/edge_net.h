@@ -20,7 +20,7 @@ struct EdgePolicy {
 // Proven distances of one segment on one face, world units.
 struct SegmentError {
   double chord = 0;    // of the curve from the chord in space
-  double sliver = 0;   // of the curve from the surface over the straight line in (u, v)
+  double sliver = 0;   // of the curve from the chord, along the surface: so far the mesh ends beyond the face or before it
   double surface = 0;  // of the surface from the chord, over the straight line in (u, v)
 };
 

@@ -364,7 +364,7 @@ class FaceMesher {
       const Vec2 d = points[a] - points[b];
       const double length = folded ? glm::length(placed(a) - placed(b)) : glm::dot(d, d);
       if (length <= longest) continue;
-      if (is_border(t, k) && (folded || length < 1 || !border_.at(key_of(a, b)).degenerate)) continue;
+      if (is_border(t, k) && !folded && (length < 1 || !border_.at(key_of(a, b)).degenerate)) continue;
       longest = length;
       best = k;
     }
@@ -373,6 +373,7 @@ class FaceMesher {
       uv = (node(t.v[0]).uv + node(t.v[1]).uv + node(t.v[2]).uv) / 3.0;
     } else {
       const std::uint32_t a = t.v[static_cast<std::size_t>((best + 1) % 3)], b = t.v[static_cast<std::size_t>((best + 2) % 3)];
+      if (is_border(t, best) && folded) return false;  // only a finer border helps
       if (is_border(t, best)) {
         mesh_.to_split.push_back(border_.at(key_of(a, b)).at);
         return false;
