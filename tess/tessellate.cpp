@@ -180,7 +180,20 @@ class PartMesher {
       result.faces.push_back(report_of(face));
       face = {};
     }
+    add_free_sides(number, result.free_sides);
     return result;
+  }
+
+  void add_free_sides(const std::vector<std::uint32_t>& number, std::vector<std::array<std::uint32_t, 2>>& sides) const {
+    for (std::size_t e = 0; e < boundary_.edges.size(); ++e) {
+      if (boundary_.edges[e].degenerate || boundary_.edges[e].uses.size() != 1) continue;
+      const auto& points = net_->edge(static_cast<int>(e)).point;
+      for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        const std::uint32_t a = number[points[i]], b = number[points[i + 1]];
+        sides.push_back({std::min(a, b), std::max(a, b)});
+      }
+    }
+    std::sort(sides.begin(), sides.end());
   }
 
   static FaceReport report_of(const FaceMesh& face) {
