@@ -15,6 +15,9 @@ constexpr double kWithin = 0.25;
 // Nearer than this share of the domain's width to a crease is on it.
 constexpr double kOnCrease = 1e-9;
 
+// Nearer to each other than this share of the tolerance are samples that are one point.
+constexpr double kOnePoint = 1e-6;
+
 // Pieces into which a segment is cut to bound its distance from the curve.
 constexpr int kPieces = 4;
 
@@ -275,9 +278,16 @@ void EdgeNet::put_samples(int e, std::vector<double> shares) {
     }
     Point3 middle(0.0);
     for (std::size_t k = 0; k < edge.uses.size(); ++k) middle += place(edge.uses[k], sampled.uv[k][i]);
-    sampled.point[i] = static_cast<std::uint32_t>(points_.size());
-    points_.push_back(middle / static_cast<double>(edge.uses.size()));
+    sampled.point[i] = point_at(middle / static_cast<double>(edge.uses.size()), sampled.point[i - 1], sampled.point.back());
   }
+}
+
+// A new point, unless one of its neighbours is there already: an edge may be a point in space along a part of its length.
+std::uint32_t EdgeNet::point_at(const Point3& p, std::uint32_t before, std::uint32_t after) {
+  for (const std::uint32_t old : {before, after})
+    if (glm::length(points_[old] - p) <= kOnePoint * policy_.chord) return old;
+  points_.push_back(p);
+  return static_cast<std::uint32_t>(points_.size() - 1);
 }
 
 bool EdgeNet::split(int e, std::size_t segment) {
@@ -300,10 +310,8 @@ bool EdgeNet::split(int e, std::size_t segment) {
     sampled.sliver[k].insert(sampled.sliver[k].begin() + where, sliver(at, b));
   }
   std::uint32_t point = sampled.point[segment];
-  if (!edge.degenerate) {
-    point = static_cast<std::uint32_t>(points_.size());
-    points_.push_back(middle / static_cast<double>(edge.uses.size()));
-  }
+  if (!edge.degenerate)
+    point = point_at(middle / static_cast<double>(edge.uses.size()), sampled.point[segment], sampled.point[segment + 1]);
   sampled.point.insert(sampled.point.begin() + where, point);
   return true;
 }

@@ -18,7 +18,7 @@ namespace {
 constexpr double kEdgeShare = 0.8;
 
 // Rounds after which what still touches or crosses is left as it is.
-constexpr int kMostRounds = 24;
+constexpr int kMostRounds = 16;
 
 using Side = std::uint64_t;  // two points
 Side side_of(std::uint32_t a, std::uint32_t b) { return (static_cast<Side>(std::min(a, b)) << 32) | std::max(a, b); }
@@ -47,14 +47,16 @@ class PartMesher {
       dirty = split_wanted();
       if (dirty.empty()) dirty = part_touching();
     }
+    // What still asks for finer edges after so many rounds has loops that lie on each other: it is meshed as it is, and says so.
+    if (!dirty.empty()) mesh_faces({dirty.begin(), dirty.end()}, true);
     PartTessellation result = assembled();
     result.rounds = round;
     return result;
   }
 
  private:
-  void mesh_faces(const std::vector<int>& which) {
-    const FacePolicy policy{options_.distance, options_.angle};
+  void mesh_faces(const std::vector<int>& which, bool borders_are_final = false) {
+    const FacePolicy policy{options_.distance, options_.angle, borders_are_final};
     tbb::parallel_for(std::size_t{0}, which.size(), [&](std::size_t i) {
       const auto f = static_cast<std::size_t>(which[i]);
       faces_[f] = mesh_face(shapes_[f], boundary_.loops[f], boundary_, *net_, policy, extra_[f]);
