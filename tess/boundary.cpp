@@ -1,5 +1,6 @@
 #include "tess/boundary.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace iso {
@@ -10,6 +11,14 @@ double parameter_at(const EdgeUse& use, double share) {
 }
 
 UV uv_at(const EdgeUse& use, double share) { return jet(use.curve.curve, parameter_at(use, share)).C; }
+
+EdgeUse part_of(const EdgeUse& use, double a, double b) {
+  EdgeUse part = use;
+  const double from = parameter_at(use, a), to = parameter_at(use, b);
+  part.curve.t0 = use.forward ? from : to;
+  part.curve.t1 = use.forward ? to : from;
+  return part;
+}
 
 namespace {
 
@@ -100,9 +109,48 @@ void add_sides(const Part& part, int face_index, Boundary& boundary) {
   boundary.loops.back().push_back(std::move(loop));
 }
 
+// Where a use ends the next of its loop begins: one vertex.
+void number_vertices(Boundary& boundary) {
+  Sets ends(2 * boundary.edges.size());
+  for (const auto& of_face : boundary.loops)
+    for (const auto& loop : of_face)
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const EdgeUse& a = boundary.uses[static_cast<std::size_t>(loop[i])];
+        const EdgeUse& b = boundary.uses[static_cast<std::size_t>(loop[(i + 1) % loop.size()])];
+        ends.join(2 * a.edge + (a.forward ? 1 : 0), 2 * b.edge + (b.forward ? 0 : 1));
+      }
+  for (std::size_t e = 0; e < boundary.edges.size(); ++e)
+    if (boundary.edges[e].degenerate) ends.join(static_cast<int>(2 * e), static_cast<int>(2 * e + 1));
+  std::vector<int> number(2 * boundary.edges.size(), -1);
+  for (std::size_t e = 0; e < boundary.edges.size(); ++e)
+    for (int k = 0; k < 2; ++k) {
+      int& n = number[static_cast<std::size_t>(ends.root(static_cast<int>(2 * e) + k))];
+      if (n < 0) n = boundary.vertex_count++;
+      boundary.edges[e].vertex[static_cast<std::size_t>(k)] = n;
+    }
+}
+
+// Edges about as short as the tolerance whose ends became one vertex, for their neighbours were joined with edges that meet in one, are
+// points.
+void collapse_short_edges(const Part& part, double sew, Boundary& boundary) {
+  constexpr double kShort = 4;  // tolerances: each end may have moved by two
+  for (BoundaryEdge& edge : boundary.edges) {
+    if (edge.degenerate || edge.vertex[0] != edge.vertex[1]) continue;
+    const EdgeUse& use = boundary.uses[static_cast<std::size_t>(edge.uses[0])];
+    const Point3 from = place(part, use, 0);
+    const double apart = glm::length(place(part, use, 1) - from);
+    double extent = 0;
+    for (int i = 1; i <= kMatches; ++i) extent = std::max(extent, glm::length(place(part, use, static_cast<double>(i) / kMatches) - from));
+    // Edges that were closed before enclose something.
+    if (extent > kShort * join_tolerance(part, use.curve.edge, sew) || apart < 0.5 * extent) continue;
+    edge.degenerate = true;
+    ++boundary.joins.collapsed;
+  }
+}
+
 }  // namespace
 
-Boundary::Boundary(const Part& part) {
+Boundary::Boundary(const Part& part, double sew) {
   std::vector<int> of_part_edge(part.edges.size(), -1);
   for (std::size_t f = 0; f < part.faces.size(); ++f) {
     const Face& face = part.faces[f];
@@ -133,31 +181,13 @@ Boundary::Boundary(const Part& part) {
       loops.back().push_back(std::move(indices));
     }
   }
-
-  // Where a use ends the next of its loop begins: one vertex.
-  Sets ends(2 * edges.size());
-  for (const auto& of_face : loops)
-    for (const auto& loop : of_face)
-      for (std::size_t i = 0; i < loop.size(); ++i) {
-        const EdgeUse& a = uses[static_cast<std::size_t>(loop[i])];
-        const EdgeUse& b = uses[static_cast<std::size_t>(loop[(i + 1) % loop.size()])];
-        ends.join(2 * a.edge + (a.forward ? 1 : 0), 2 * b.edge + (b.forward ? 0 : 1));
-      }
-  for (std::size_t e = 0; e < edges.size(); ++e)
-    if (edges[e].degenerate) ends.join(static_cast<int>(2 * e), static_cast<int>(2 * e + 1));
-  std::vector<int> number(2 * edges.size(), -1);
-  for (std::size_t e = 0; e < edges.size(); ++e)
-    for (int k = 0; k < 2; ++k) {
-      int& n = number[static_cast<std::size_t>(ends.root(static_cast<int>(2 * e) + k))];
-      if (n < 0) n = vertex_count++;
-      edges[e].vertex[static_cast<std::size_t>(k)] = n;
-    }
+  joins = join_edges(part, *this, sew);
+  number_vertices(*this);
+  if (joins.joined > 0) collapse_short_edges(part, sew, *this);
 }
 
-namespace {
-
 // Newton steps along the curve, clamped to [lo, hi]; downhill only.
-double slide(const Face& face, const EdgeUse& use, const Point3& p, double from, double lo, double hi) {
+double slide_share(const Face& face, const EdgeUse& use, const Point3& p, double from, double lo, double hi) {
   const double a = parameter_at(use, 0), b = parameter_at(use, 1);
   double best = from, least = kInf;
   constexpr int kSteps = 12;
@@ -177,17 +207,40 @@ double slide(const Face& face, const EdgeUse& use, const Point3& p, double from,
   return best;
 }
 
-}  // namespace
+namespace {
 
-double nearest_share(const Face& face, const EdgeUse& use, const Point3& p, double near, double within) {
-  const double lo = std::max(0.0, near - within), hi = std::min(1.0, near + within);
+// The curve of one use may run ahead of or behind that of another by this share of the edge.
+constexpr double kWithin = 0.25;
+
+double nearest_share(const Face& face, const EdgeUse& use, const Point3& p, double near) {
+  const double lo = std::max(0.0, near - kWithin), hi = std::min(1.0, near + kWithin);
   constexpr int kSteps = 8;
   double best = near, least = kInf;
   for (int i = 0; i <= kSteps; ++i) {
     const double s = lo + (hi - lo) * i / kSteps, d = glm::length(point(face.surface, uv_at(use, s)) - p);
     if (d < least) best = s, least = d;
   }
-  return slide(face, use, p, best, lo, hi);
+  return slide_share(face, use, p, best, lo, hi);
+}
+
+}  // namespace
+
+double own_share(const Face& face, const EdgeUse& use, const Point3& p, double share) {
+  if (share <= 0 || share >= 1) return share;
+  if (use.matched.empty()) return nearest_share(face, use, p, share);
+  const double steps = static_cast<double>(use.matched.size() - 1), at = share * steps;
+  const auto k = std::min(static_cast<std::size_t>(at), use.matched.size() - 2);
+  const double lo = use.matched[k], hi = use.matched[k + 1];
+  return slide_share(face, use, p, lo + (at - static_cast<double>(k)) * (hi - lo), lo, hi);
+}
+
+double first_share(const Face& face, const EdgeUse& first, const EdgeUse& use, const Point3& p, double own) {
+  if (own <= 0 || own >= 1) return own;
+  if (use.matched.empty()) return nearest_share(face, first, p, own);
+  const auto above = std::upper_bound(use.matched.begin() + 1, use.matched.end() - 1, own);
+  const double steps = static_cast<double>(use.matched.size() - 1), k = static_cast<double>(above - use.matched.begin() - 1);
+  const double from = *(above - 1), part = (own - from) / (*above - from);
+  return slide_share(face, first, p, (k + part) / steps, k / steps, (k + 1) / steps);
 }
 
 }  // namespace iso

@@ -9,9 +9,6 @@ namespace {
 // A segment is not split below this share of its edge.
 constexpr double kLeastShare = 1e-7;
 
-// The curve of one use may run ahead of or behind that of another by this share of the edge.
-constexpr double kWithin = 0.25;
-
 // Nearer than this share of the domain's width to a crease is on it.
 constexpr double kOnCrease = 1e-9;
 
@@ -89,7 +86,7 @@ Point3 EdgeNet::place(int use, const UV& uv) const {
 
 UV EdgeNet::uv_on(int use, double share) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
-  UV uv = matched_uv(use, share);
+  UV uv = uv_at(u, share_on(use, share));
   // What is meant to be on a crease is on it.
   const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
   for (int axis = 0; axis < 2; ++axis)
@@ -98,15 +95,16 @@ UV EdgeNet::uv_on(int use, double share) const {
   return uv;
 }
 
-UV EdgeNet::matched_uv(int use, double share) const {
+// The use's own share at a share of the edge.
+double EdgeNet::share_on(int use, double share) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
-  if (u.shares_parameter || share == 0 || share == 1) return uv_at(u, share);
+  if (u.shares_parameter || share == 0 || share == 1) return share;
   for (const auto& [of_edge, own] : anchors_[static_cast<std::size_t>(use)])
-    if (share == of_edge) return uv_at(u, own);
+    if (share == of_edge) return own;
   // Matched to the edge's first use by distance.
   const int first = boundary_->edges[static_cast<std::size_t>(u.edge)].uses[0];
-  const Point3 p = place(first, matched_uv(first, share));
-  return uv_at(u, nearest_share(part_->faces[static_cast<std::size_t>(u.face)], u, p, share, kWithin));
+  const Point3 p = place(first, uv_at(boundary_->uses[static_cast<std::size_t>(first)], share));
+  return own_share(part_->faces[static_cast<std::size_t>(u.face)], u, p, share);
 }
 
 std::vector<double> EdgeNet::preferred_splits(int e) {
@@ -119,7 +117,7 @@ std::vector<double> EdgeNet::preferred_splits(int e) {
     const auto shared = [&](double s) {
       if (u.shares_parameter) return s;
       const EdgeUse& first = boundary_->uses[static_cast<std::size_t>(boundary_->edges[static_cast<std::size_t>(e)].uses[0])];
-      const double of_edge = nearest_share(part_->faces[static_cast<std::size_t>(first.face)], first, place(use, uv_at(u, s)), s, kWithin);
+      const double of_edge = first_share(part_->faces[static_cast<std::size_t>(first.face)], first, u, place(use, uv_at(u, s)), s);
       anchors_[static_cast<std::size_t>(use)].push_back({of_edge, s});
       return of_edge;
     };
@@ -157,15 +155,12 @@ SegmentError EdgeNet::error_of(int use, double a, double b) const {
   const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
   const UV uva = uv_on(use, a), uvb = uv_on(use, b);
   const Point3 A = place(use, uva), B = place(use, uvb);
-  const auto parameter = [&](const UV& uv, double share) {
-    (void)uv;
-    return parameter_at(u, share);
-  };
+  const auto parameter = [&](double share) { return parameter_at(u, share_on(use, share)); };
   SegmentError error;
   Box2 box;
   box.include(uva);
   box.include(uvb);
-  error.sliver = sliver_of(u.curve.curve, parameter(uva, a), parameter(uvb, b), uva, uvb, shape.speed(box));
+  error.sliver = sliver_of(u.curve.curve, parameter(a), parameter(b), uva, uvb, shape.speed(box));
   error.surface = shape.segment_bound({uva, A}, {uvb, B});
   // The curve is compared with the chord at some places; between them it strays from its own short chords by little.
   SurfaceCorner from{uva, A};
@@ -180,7 +175,7 @@ SegmentError EdgeNet::error_of(int use, double a, double b) const {
     const Vec2 d = to.uv - from.uv;
     const BoxBend bend = shape.bend().over(piece);
     const auto times = [](double m, double by) { return by == 0 ? 0.0 : m * by; };
-    const double curve = sliver_of(u.curve.curve, parameter_at(u, s0), parameter_at(u, s1), from.uv, to.uv, shape.speed(piece)) +
+    const double curve = sliver_of(u.curve.curve, parameter(s0), parameter(s1), from.uv, to.uv, shape.speed(piece)) +
                          (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, std::abs(d.x * d.y)) + times(bend.Mvv, d.y * d.y)) / 8 +
                          (times(bend.kink_u, std::abs(d.x)) + times(bend.kink_v, std::abs(d.y))) / 4;
     error.chord = std::max(error.chord, std::max(distance_to_segment(from.S, A, B), distance_to_segment(to.S, A, B)) + curve);
