@@ -1,6 +1,7 @@
 #include "tess/boundary.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace iso {
@@ -130,22 +131,67 @@ void number_vertices(Boundary& boundary) {
     }
 }
 
-// Edges about as short as the tolerance whose ends became one vertex, for their neighbours were joined with edges that meet in one, are
-// points.
-void collapse_short_edges(const Part& part, double sew, Boundary& boundary) {
-  constexpr double kShort = 4;  // tolerances: each end may have moved by two
+// Up to this many tolerances edges are short: each end may have moved by two.
+constexpr double kShort = 4;
+
+double extent_of(const Part& part, const EdgeUse& use) {
+  double extent = 0;
+  for (int i = 1; i <= kMatches; ++i)
+    extent = std::max(extent, glm::length(place(part, use, static_cast<double>(i) / kMatches) - place(part, use, 0)));
+  return extent;
+}
+
+// Short edges whose ends became one vertex, for their neighbours were joined with edges that meet in one, are points.
+void collapse_short_edges(const Part& part, Boundary& boundary) {
   for (BoundaryEdge& edge : boundary.edges) {
     if (edge.degenerate || edge.vertex[0] != edge.vertex[1]) continue;
     const EdgeUse& use = boundary.uses[static_cast<std::size_t>(edge.uses[0])];
-    const Point3 from = place(part, use, 0);
-    const double apart = glm::length(place(part, use, 1) - from);
-    double extent = 0;
-    for (int i = 1; i <= kMatches; ++i) extent = std::max(extent, glm::length(place(part, use, static_cast<double>(i) / kMatches) - from));
+    const double apart = glm::length(place(part, use, 1) - place(part, use, 0)), extent = extent_of(part, use);
     // Edges that were closed before enclose something.
-    if (extent > kShort * join_tolerance(part, use.curve.edge, sew) || apart < 0.5 * extent) continue;
+    if (extent > kShort * boundary.joins.tolerance || apart < 0.5 * extent) continue;
     edge.degenerate = true;
     ++boundary.joins.collapsed;
   }
+}
+
+// Short free edges between the same two vertices are one, for the same reason.
+void join_short_edges(const Part& part, Boundary& boundary) {
+  std::map<std::pair<int, int>, int> seen;
+  for (std::size_t e = 0; e < boundary.edges.size(); ++e) {
+    BoundaryEdge& edge = boundary.edges[e];
+    if (edge.degenerate || edge.uses.size() != 1 || edge.vertex[0] == edge.vertex[1]) continue;
+    EdgeUse& use = boundary.uses[static_cast<std::size_t>(edge.uses[0])];
+    if (extent_of(part, use) > kShort * boundary.joins.tolerance) continue;
+    const auto [known, is_new] = seen.try_emplace(std::minmax(edge.vertex[0], edge.vertex[1]), static_cast<int>(e));
+    if (is_new) continue;
+    BoundaryEdge& first = boundary.edges[static_cast<std::size_t>(known->second)];
+    if (first.vertex[0] != edge.vertex[0]) use.forward = !use.forward;
+    use.edge = known->second;
+    first.uses.push_back(edge.uses[0]);
+    edge.uses.clear();
+    seen.erase(known);
+    ++boundary.joins.joined;
+  }
+}
+
+// Leaves out edges without uses, and reports as open what still is.
+void compact(Boundary& boundary) {
+  std::vector<int> number(boundary.edges.size(), -1);
+  std::vector<BoundaryEdge> kept;
+  for (std::size_t e = 0; e < boundary.edges.size(); ++e) {
+    if (boundary.edges[e].uses.empty()) continue;
+    number[e] = static_cast<int>(kept.size());
+    kept.push_back(std::move(boundary.edges[e]));
+  }
+  for (EdgeUse& use : boundary.uses) use.edge = number[static_cast<std::size_t>(use.edge)];
+  boundary.edges = std::move(kept);
+  auto& open = boundary.joins.open;
+  for (OpenBorder& border : open) border.edge = number[static_cast<std::size_t>(border.edge)];
+  std::erase_if(open, [&](const OpenBorder& border) {
+    if (border.edge < 0) return true;
+    const BoundaryEdge& edge = boundary.edges[static_cast<std::size_t>(border.edge)];
+    return edge.degenerate || edge.uses.size() > 1;
+  });
 }
 
 }  // namespace
@@ -183,7 +229,10 @@ Boundary::Boundary(const Part& part, double sew) {
   }
   joins = join_edges(part, *this, sew);
   number_vertices(*this);
-  if (joins.joined > 0) collapse_short_edges(part, sew, *this);
+  if (joins.joined == 0) return;
+  collapse_short_edges(part, *this);
+  join_short_edges(part, *this);
+  compact(*this);
 }
 
 // Newton steps along the curve, clamped to [lo, hi]; downhill only.

@@ -13,6 +13,9 @@ constexpr double kWindow = 0.15;
 // Edges shorter than this many tolerances are matched by equal shares where nearest places would not follow one another.
 constexpr double kShort = 16;
 
+// Edges shorter than this many tolerances are no edges at that tolerance.
+constexpr double kTooShort = 4;
+
 // Equal shares do if their distance is below this many times that of the nearest places, or this share of the length.
 constexpr double kEvenFactor = 2, kEvenShare = 1e-9;
 
@@ -72,12 +75,11 @@ std::optional<EdgeMatch> match_nearest(const EdgePiece& first, const EdgePiece& 
 
 }  // namespace
 
-EdgePiece trace(const Part& part, const std::vector<EdgeUse>& uses, int use, double a, double b, double tolerance) {
+EdgePiece trace(const Part& part, const std::vector<EdgeUse>& uses, int use, double a, double b) {
   EdgePiece piece;
   piece.origin = use;
   piece.a = a;
   piece.b = b;
-  piece.tolerance = tolerance;
   piece.use = part_of(uses[static_cast<std::size_t>(use)], a, b);
   piece.face = &part.faces[static_cast<std::size_t>(piece.use.face)];
   piece.along.push_back(0);
@@ -114,6 +116,7 @@ NearPlace nearest_place(const EdgePiece& piece, const Point3& p, double within, 
 std::optional<EdgeMatch> match(const EdgePiece& first, const EdgePiece& second, double tolerance) {
   if (std::abs(first.length() - second.length()) > kLengthDiffers * std::max(first.length(), second.length()) + 4 * tolerance)
     return std::nullopt;
+  if (first.length() < kTooShort * tolerance) return std::nullopt;
   std::optional<EdgeMatch> best;
   for (const bool reversed : {false, true}) {
     const Point3 &from = reversed ? second.at.back() : second.at.front(), &to = reversed ? second.at.front() : second.at.back();

@@ -17,7 +17,6 @@ struct EdgePiece {
   int origin = -1;            // the use, of Boundary
   double a = 0, b = 1;        // shares of it
   EdgeUse use;                // that part as a use of its own
-  double tolerance = 0;       // world units: how far other edges may lie from it and still be the same
   std::vector<Point3> at;     // kTraced + 1 places at even shares
   std::vector<double> along;  // length of the polyline through them up to each
   double sag = 0;             // about how far the curve strays from that polyline
@@ -26,7 +25,7 @@ struct EdgePiece {
   double length() const { return along.back(); }
 };
 
-EdgePiece trace(const Part& part, const std::vector<EdgeUse>& uses, int use, double a, double b, double tolerance);
+EdgePiece trace(const Part& part, const std::vector<EdgeUse>& uses, int use, double a, double b);
 
 struct NearPlace {
   double share = 0, distance = kInf;
@@ -44,7 +43,8 @@ struct EdgeMatch {
 };
 
 // The match of two pieces that lie within `tolerance` of each other all along, their ends within twice that (for each end may have been set
-// by a neighbour's). Measured at kTraced + 1 places: what lies between them counts into FaceReport::offset, whatever it is.
+// by a neighbour's); none for edges of a few tolerances only. Measured at kTraced + 1 places: what lies between them counts into
+// FaceReport::offset, whatever it is.
 std::optional<EdgeMatch> match(const EdgePiece& first, const EdgePiece& second, double tolerance);
 
 }  // namespace iso

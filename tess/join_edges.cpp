@@ -44,26 +44,28 @@ class Joiner {
  public:
   Joiner(const Part& part, Boundary& boundary, double sew) : part_(part), boundary_(boundary) {
     for (const BoundaryEdge& edge : boundary.edges)
-      if (edge.uses.size() == 1 && !edge.degenerate)
-        free_.push_back(trace(part, boundary.uses, edge.uses[0], 0, 1, join_tolerance(part, edge.part_edge, sew)));
+      if (edge.uses.size() == 1 && !edge.degenerate) free_.push_back(trace(part, boundary.uses, edge.uses[0], 0, 1));
     report_.free_edges = static_cast<int>(free_.size());
     report_.looked = kLooked * part.box.diagonal();
-    for (const EdgePiece& piece : free_) report_.tolerance = std::max(report_.tolerance, piece.tolerance);
+    report_.tolerance = join_tolerance(sew);
   }
 
   JoinReport run() {
-    if (free_.size() < 2) return finished();
     for (double allowed = kSameBorder * part_.box.diagonal();; allowed = std::min(report_.tolerance, allowed * kWider)) {
       join_within(allowed);
       if (!(allowed < report_.tolerance)) break;
     }
-    if (!joined_.empty()) rebuild();
+    rebuild();
     return finished();
   }
 
  private:
-  double tolerance_of(const EdgePiece& a, const EdgePiece& b, double allowed) const {
-    return std::min(allowed, std::max(a.tolerance, b.tolerance));
+  double join_tolerance(double sew) const {
+    const double size = part_.box.diagonal();
+    double stated = 0;
+    for (const EdgePiece& piece : free_)
+      if (const int e = piece.use.curve.edge; e >= 0) stated = std::max(stated, part_.edges[static_cast<std::size_t>(e)].file_tolerance);
+    return std::max({kSameBorder * size, std::min(stated, kMostStated * size), sew});
   }
 
   // Joins what lies within `allowed`. Splits that helped nobody are forgotten.
@@ -77,7 +79,7 @@ class Joiner {
       for (std::size_t k = 0; !cuts[i].empty() && k <= cuts[i].size(); ++k) {
         const auto share = [&](double s) { return s == 1 ? whole.b : whole.a + s * (whole.b - whole.a); };
         const double a = k == 0 ? whole.a : share(cuts[i][k - 1]), b = k == cuts[i].size() ? whole.b : share(cuts[i][k]);
-        pieces.push_back(trace(part_, boundary_.uses, whole.origin, a, b, whole.tolerance));
+        pieces.push_back(trace(part_, boundary_.uses, whole.origin, a, b));
       }
       parent.resize(pieces.size(), i);
     }
@@ -85,43 +87,38 @@ class Joiner {
     keep_rest(pieces, parent, taken);
   }
 
-  // Shares of each free piece at which the end of another one lies on it.
+  // Shares of each free piece at which the end of another one lies on it; pieces shorter than the whole tolerance are not made: ends that
+  // should meet may be that far apart even where the curves agree far better.
   std::vector<std::vector<double>> find_cuts(double allowed) const {
     std::vector<std::vector<double>> cuts(free_.size());
     const BoxTree<Vec3> ends = tree_of_ends(free_);
     for (std::size_t i = 0; i < free_.size(); ++i) {
       const EdgePiece& piece = free_[i];
-      double widest = 0;
       ends.for_each_touching(piece.box.inflated(allowed), [&](std::uint32_t e) {
-        const EdgePiece& other = free_[e / 2];
-        if (e / 2 == i || !may_join(piece, other)) return;
-        const double tolerance = tolerance_of(piece, other, allowed);
         const Point3& end = ends.box(e).lo;
-        if (near_end(piece, end, tolerance)) return;
-        const NearPlace near = nearest_place(piece, end, tolerance);
-        if (!(near.distance <= tolerance) || near_end(piece, place(piece, near.share), tolerance)) return;
-        cuts[i].push_back(near.share);
-        widest = std::max(widest, tolerance);
+        if (e / 2 == i || !may_join(piece, free_[e / 2]) || near_end(piece, end)) return;
+        const NearPlace near = nearest_place(piece, end, allowed);
+        if (near.distance <= allowed && !near_end(piece, place(piece, near.share))) cuts[i].push_back(near.share);
       });
-      thin_out(piece, cuts[i], widest);
+      thin_out(piece, cuts[i]);
     }
     return cuts;
   }
 
   bool may_join(const EdgePiece& a, const EdgePiece& b) const { return a.face->solid == b.face->solid; }
 
-  static bool near_end(const EdgePiece& piece, const Point3& p, double tolerance) {
-    return glm::length(p - piece.at.front()) <= tolerance || glm::length(p - piece.at.back()) <= tolerance;
+  bool near_end(const EdgePiece& piece, const Point3& p) const {
+    return glm::length(p - piece.at.front()) <= report_.tolerance || glm::length(p - piece.at.back()) <= report_.tolerance;
   }
 
   static Point3 place(const EdgePiece& piece, double share) { return point(piece.face->surface, uv_at(piece.use, share)); }
 
   // Of cuts within the tolerance of each other, the first.
-  static void thin_out(const EdgePiece& piece, std::vector<double>& cuts, double tolerance) {
+  void thin_out(const EdgePiece& piece, std::vector<double>& cuts) const {
     std::sort(cuts.begin(), cuts.end());
     std::vector<double> kept;
     for (double s : cuts)
-      if (kept.empty() || glm::length(place(piece, s) - place(piece, kept.back())) > tolerance) kept.push_back(s);
+      if (kept.empty() || glm::length(place(piece, s) - place(piece, kept.back())) > report_.tolerance) kept.push_back(s);
     cuts = std::move(kept);
   }
 
@@ -153,7 +150,7 @@ class Joiner {
       near.erase(std::unique(near.begin(), near.end()), near.end());
       for (std::size_t j : near) {
         if (j <= i || !may_join(piece, pieces[j])) continue;
-        auto found = match(piece, pieces[j], tolerance_of(piece, pieces[j], allowed));
+        auto found = match(piece, pieces[j], allowed);
         if (!found) continue;
         const auto runs = [](const EdgePiece& p) { return p.use.forward != p.face->reversed; };
         const bool against = runs(piece) == (runs(pieces[j]) != found->reversed);
@@ -176,7 +173,7 @@ class Joiner {
         else if (pieces[i].a == whole.a && pieces[end - 1].b == whole.b)
           rest.push_back(whole);
         else
-          rest.push_back(trace(part_, boundary_.uses, whole.origin, pieces[i].a, pieces[end - 1].b, whole.tolerance));
+          rest.push_back(trace(part_, boundary_.uses, whole.origin, pieces[i].a, pieces[end - 1].b));
       }
       i = end;
     }
@@ -202,6 +199,7 @@ class Joiner {
 
   void rebuild() {
     const auto of_use = fates();
+    edge_of_open_.assign(free_.size(), -1);
     std::vector<BoundaryEdge> edges;
     std::vector<std::vector<int>> pieces_of(boundary_.uses.size());  // uses that take the place of one
     std::vector<int> edge_of_joined(joined_.size(), -1);
@@ -231,6 +229,7 @@ class Joiner {
     const bool has_edge = fate.joined >= 0 && edge_of_joined[static_cast<std::size_t>(fate.joined)] >= 0;
     placed.edge = has_edge ? edge_of_joined[static_cast<std::size_t>(fate.joined)] : static_cast<int>(edges.size());
     if (!has_edge) edges.push_back({{}, {}, part_edge, false});
+    if (fate.joined < 0) edge_of_open_[static_cast<std::size_t>(fate.piece - free_.data())] = placed.edge;
     if (fate.joined >= 0) {
       edge_of_joined[static_cast<std::size_t>(fate.joined)] = placed.edge;
       if (has_edge) follow(joined_[static_cast<std::size_t>(fate.joined)].match, placed);
@@ -285,26 +284,23 @@ class Joiner {
       });
       width = std::max(width, nearest <= report_.looked ? nearest : kInf);
     }
-    return {piece.use.face, piece.use.curve.edge, piece.at.front(), piece.at.back(), piece.length(), width};
+    return {piece.use.face, piece.use.curve.edge, edge_of_open_[i], piece.at.front(), piece.at.back(), piece.length(), width};
   }
 
   const Part& part_;
   Boundary& boundary_;
   std::vector<EdgePiece> free_;
   std::vector<Joined> joined_;
+  std::vector<int> edge_of_open_;  // of each free piece, in the new boundary
   JoinReport report_;
 };
 
 }  // namespace
 
-double join_tolerance(const Part& part, int part_edge, double sew) {
-  const double size = part.box.diagonal();
-  const double stated = part_edge >= 0 ? part.edges[static_cast<std::size_t>(part_edge)].file_tolerance : 0.0;
-  return std::max({kSameBorder * size, std::min(stated, kMostStated * size), sew});
-}
-
 JoinReport join_edges(const Part& part, Boundary& boundary, double sew) {
   if (sew < 0) return {};
+  const auto is_free = [](const BoundaryEdge& edge) { return edge.uses.size() == 1 && !edge.degenerate; };
+  if (std::none_of(boundary.edges.begin(), boundary.edges.end(), is_free)) return {};
   return Joiner(part, boundary, sew).run();
 }
 

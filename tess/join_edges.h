@@ -19,6 +19,7 @@ struct Boundary;
 struct OpenBorder {
   int face = -1;
   int part_edge = -1;  // index into Part::edges, -1 for sides of a domain
+  int edge = -1;       // index into Boundary::edges
   Point3 from{0.0}, to{0.0};
   double length = 0;  // about
   double width = 0;   // largest distance to the nearest other open border, as far as looked (JoinReport::looked); else infinite
@@ -36,14 +37,16 @@ struct JoinReport {
 };
 
 // Joins the free edges (one use, no point in space) of a boundary whose vertices are not numbered yet. Edges are the same if their ends and
-// all places between lie within the tolerance of each other: what the file states for either of them (never less than kSameBorder, never
-// more than kMostStated, of the part's size), or `sew` if that is more; negative: nothing is joined. Near ones come first, so that of
-// several an edge takes the nearest; each takes one partner only, and none of another solid. A vertex within the tolerance of an edge's
-// interior splits it. Deterministic; about linear in the number of free edges.
+// all places between lie within the tolerance of each other: the largest that the file states for any free edge (never less than
+// kSameBorder, never more than kMostStated, of the part's size), or `sew` if that is more; negative: nothing is joined. The distance
+// allowed grows in rounds up to the tolerance, so that what lies near is joined before what lies far, and of several an edge takes the
+// nearest; each takes one partner only (where the file does not share it, a third sheet stays open), and none of another solid. An end of
+// one edge within the tolerance of the interior of another splits it, where that helps. Deterministic; about n log n in the number of free
+// edges.
+//
+// Why not each edge's own tolerance: readers state it of an edge's curves on its own face. In hammer.iges 30 of 208 edges lie up to 40
+// times their own statement from their neighbours, all within half of the largest.
 JoinReport join_edges(const Part& part, Boundary& boundary, double sew);
-
-// The tolerance of an edge for joining: see above. `part_edge` may be -1.
-double join_tolerance(const Part& part, int part_edge, double sew);
 
 inline constexpr double kSameBorder = 1e-9;  // rounding of curves and surfaces that are meant to be equal
 inline constexpr double kMostStated = 1e-4;  // larger statements are not believed
