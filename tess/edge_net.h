@@ -48,7 +48,7 @@ class EdgeNet {
 
  private:
   UV uv_on(int use, double share) const;
-  UV matched_uv(int use, double share) const;
+  double share_on(int use, double share) const;
   Point3 place(int use, const UV& uv) const;
   SegmentError error_of(int use, double a, double b) const;
   double excess(int edge, double a, double b) const;

@@ -25,7 +25,7 @@ Side side_of(std::uint32_t a, std::uint32_t b) { return (static_cast<Side>(std::
 
 class PartMesher {
  public:
-  PartMesher(const Part& part, const TessellationOptions& options) : part_(part), options_(options), boundary_(part) {
+  PartMesher(const Part& part, const TessellationOptions& options) : part_(part), options_(options), boundary_(part, options.sew) {
     std::vector<std::optional<FaceShape>> shapes(part.faces.size());
     tbb::parallel_for(std::size_t{0}, shapes.size(), [&](std::size_t f) { shapes[f].emplace(part.faces[f], options.distance); });
     shapes_.reserve(shapes.size());
@@ -155,6 +155,7 @@ class PartMesher {
   PartTessellation assembled() {
     PartTessellation result;
     result.unresolved_edges = net_->unresolved();
+    result.joins = std::move(boundary_.joins);
     PartMesh& mesh = result.mesh;
     std::vector<std::uint32_t> number(net_->points().size(), 0xffffffffu);  // of the net's points, those that are used
     for (std::size_t f = 0; f < faces_.size(); ++f) {
