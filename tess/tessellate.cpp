@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "tess/face_mesh.h"
+#include "tess/orient.h"
 
 namespace iso {
 
@@ -184,6 +185,10 @@ class PartMesher {
       face = {};
     }
     add_free_sides(number, result.free_sides);
+    const Orientation orientation = orient(mesh);
+    turn(mesh, orientation.turned);
+    for (std::size_t f = 0; f < result.faces.size(); ++f) result.faces[f].turned = orientation.turned[f];
+    result.one_sided = orientation.conflicts;
     return result;
   }
 
@@ -200,8 +205,14 @@ class PartMesher {
   }
 
   static FaceReport report_of(const FaceMesh& face) {
-    FaceReport report{face.bound,     face.offset, static_cast<int>(face.triangles.size()), face.unresolved, face.collapsed, face.folded,
-                      face.crossings, {}};
+    FaceReport report;
+    report.bound = face.bound;
+    report.offset = face.offset;
+    report.triangles = static_cast<int>(face.triangles.size());
+    report.unresolved = face.unresolved;
+    report.collapsed = face.collapsed;
+    report.folded = face.folded;
+    report.crossings = face.crossings;
     if (face.triangles.empty())
       report.failure = face.nodes.size() < 3 ? "its loops have less than three points" : "its loops enclose nothing";
     return report;

@@ -28,6 +28,7 @@ struct FaceReport {
   int unresolved = 0;   // triangles beyond the tolerance that could not be divided
   int collapsed = 0;    // triangles left out at poles
   int folded = 0;       // triangles turned against the surface
+  bool turned = false;  // looked to the other side than its neighbours: its triangles and normals do not, see orient.h
   int crossings = 0;    // border segments that cross others and are no sides of triangles
   std::string failure;  // why the face has no triangles, if it has none
 };
@@ -39,6 +40,7 @@ struct PartTessellation {
   // The sides of triangles that lie on edges of one face only, as pairs of points (the smaller index first), sorted: where the model itself
   // ends the mesh ends too, and every other open side is a crack.
   std::vector<std::array<std::uint32_t, 2>> free_sides;
+  int one_sided = 0;         // pairs of neighbours that look to different sides whatever is turned
   int unresolved_edges = 0;  // segments of edges beyond the tolerance that could not be divided
   JoinReport joins;          // of edges that the file does not share
 };
