@@ -104,6 +104,7 @@ class TrimRegion {
   void add_monotone(const std::vector<Vec3>& points, const TrimPiece& like);
   void make_grid(const AnySurface& surface);
   void fill_cells();
+  double crossing(const TrimPiece& piece, int c, double line, const UV& start, const UV& end) const;
   void cut_at_grid(std::uint32_t piece, CellParts& parts) const;
   void bound_clip(Clip& clip) const;
   double distance_in_world(UV uv, const TrimPiece& piece, const Jet2& metric, double t0 = 0, double t1 = 1) const;

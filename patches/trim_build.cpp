@@ -26,6 +26,17 @@ std::vector<double> slope_numerator(const std::vector<Vec3>& points, int coordin
   return a;
 }
 
+// Whether a coordinate of polynomial points never turns, by their differences. Nothing is known of rational ones.
+bool runs_one_way(const std::vector<Vec3>& points, int coordinate) {
+  bool rises = true, falls = true;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    if (points[i].z != points[0].z) return false;
+    rises = rises && points[i][coordinate] >= points[i - 1][coordinate];
+    falls = falls && points[i][coordinate] <= points[i - 1][coordinate];
+  }
+  return rises || falls;
+}
+
 double edge_tolerance(const TrimCurve& curve, const std::vector<Edge>& edges, double least) {
   return curve.edge < 0 ? least : std::max(least, edges[static_cast<std::size_t>(curve.edge)].closing);
 }
@@ -82,8 +93,8 @@ void TrimRegion::add_segment(const UV& from, const UV& to, const TrimPiece& like
 
 void TrimRegion::add_monotone(const std::vector<Vec3>& points, const TrimPiece& like) {
   std::vector<double> cuts{0.0, 1.0};
-  if (points.size() > 2)
-    for (const int c : {0, 1})
+  for (const int c : {0, 1})
+    if (!runs_one_way(points, c))
       for (const double root : bernstein_roots(slope_numerator(points, c))) cuts.push_back(root);
   std::sort(cuts.begin(), cuts.end());
   std::vector<Vec3> rest = points, left, right;
@@ -186,10 +197,31 @@ void make_monotone(std::vector<Cut>& cuts, const Vec2& direction) {
 
 }  // namespace
 
-// The clips of all pieces in the order of their making, and per cell the numbers of those that lie in it and of those near it.
+namespace {
+
+// A clip in a cell.
+struct CellEntry {
+  std::uint32_t cell, clip;
+};
+
+// Entries sorted by their cells, in each in the order of their making: those of a cell are clips[begin[cell]] up to clips[begin[cell + 1]].
+struct EntriesByCell {
+  std::vector<std::uint32_t> begin, clips;
+
+  EntriesByCell(const std::vector<CellEntry>& entries, std::size_t cells) : begin(cells + 2), clips(entries.size()) {
+    for (const CellEntry& e : entries) ++begin[e.cell + 2];
+    for (std::size_t i = 2; i < begin.size(); ++i) begin[i] += begin[i - 1];
+    for (const CellEntry& e : entries) clips[begin[e.cell + 1]++] = e.clip;
+    begin.pop_back();
+  }
+};
+
+}  // namespace
+
+// The clips of all pieces in the order of their making, and which of them lie in or near which cell.
 struct TrimRegion::CellParts {
   std::vector<Clip> clips;
-  std::vector<std::vector<std::uint32_t>> within, near;
+  std::vector<CellEntry> within, near;
 };
 
 // Bounds of the curve across the clip's chord: the hull of the Bezier points of this part of it, widened by what rounding may do to the
@@ -201,18 +233,49 @@ void TrimRegion::bound_clip(Clip& clip) const {
   across.include(0.0);
   Vec2 largest = glm::max(glm::abs(clip.p0), glm::abs(clip.p1));
   if (piece.degree > 1) {
-    const std::vector<Vec3> points(points_.begin() + piece.first, points_.begin() + piece.first + piece.degree + 1);
-    for (const Vec3& h : bernstein_part(points, std::min(clip.t0, clip.t1), std::max(clip.t0, clip.t1))) {
-      across.include(clip.across(project(h)));
-      largest = glm::max(largest, glm::abs(project(h)));
+    const Vec3* points = &points_[piece.first];
+    std::array<Vec3, kMaxDegree + 1> part;
+    std::copy(points, points + piece.degree + 1, part.begin());
+    bernstein_restrict(part.data(), 1, piece.degree, std::min(clip.t0, clip.t1), std::max(clip.t0, clip.t1));
+    for (int i = 0; i <= piece.degree; ++i) {
+      const UV here = project(part[i]);
+      across.include(clip.across(here));
+      largest = glm::max(largest, glm::max(glm::abs(here), glm::abs(project(points[i]))));
     }
-    for (const Vec3& h : points) largest = glm::max(largest, glm::abs(project(h)));
   }
   // De Casteljau errs by a few units in the last place of the largest coordinate per degree; the second term is the product's share.
   const double rounding = 16 * (piece.degree + 2) * kEps * (largest.x * dv + largest.y * du) + 16 * kEps * (step_.x + du) * dv;
   constexpr float kFar = std::numeric_limits<float>::infinity();
   clip.lo = std::nextafter(static_cast<float>(across.lo - rounding), -kFar);
   clip.hi = std::nextafter(static_cast<float>(across.hi + rounding), kFar);
+}
+
+// Where the monotone piece from `start` to `end` crosses a line that lies between them in coordinate c. Regula falsi; an end that stays
+// counts for half each time [Dowell & Jarratt 1971, the Illinois method], and a bracket that has not halved in four steps is bisected.
+double TrimRegion::crossing(const TrimPiece& piece, int c, double line, const UV& start, const UV& end) const {
+  constexpr int kMostSteps = 4 * 53;
+  const double rounding = kEps * std::max(std::abs(start[c]), std::abs(end[c]));
+  double a = 0, b = 1, before = start[c] - line, after = end[c] - line, width = 2;
+  if (piece.degree == 1 && piece.polynomial) return before / (before - after);
+  for (int step = 0; step < kMostSteps && b - a > 0.5 * kEps; ++step) {
+    const bool slow = step % 4 == 0 && b - a > 0.5 * width;
+    if (step % 4 == 0) width = b - a;
+    double m = slow ? 0.5 * (a + b) : a + (b - a) * (before / (before - after));
+    if (!(m > a && m < b)) m = 0.5 * (a + b);
+    if (!(m > a && m < b)) break;
+    const double here = point_at(piece, m)[c] - line;
+    if (std::abs(here) <= rounding) return m;
+    if ((here < 0) == (before < 0)) {
+      a = m;
+      before = here;
+      after *= 0.5;
+    } else {
+      b = m;
+      after = here;
+      before *= 0.5;
+    }
+  }
+  return 0.5 * (a + b);
 }
 
 void TrimRegion::cut_at_grid(std::uint32_t k, CellParts& parts) const {
@@ -226,17 +289,12 @@ void TrimRegion::cut_at_grid(std::uint32_t k, CellParts& parts) const {
     for (int i = first; i <= last + 1; ++i) {
       const double line = box_.lo[c] + i * step_[c];
       if (!(lo < line && line < hi)) continue;
-      double a = 0, b = 1;
-      const bool rising = end[c] > start[c];
-      for (int step = 0; step < 56; ++step) {
-        const double m = 0.5 * (a + b);
-        ((point_at(piece, m)[c] < line) == rising ? a : b) = m;
-      }
-      UV p = point_at(piece, 0.5 * (a + b));
+      const double t = crossing(piece, c, line, start, end);
+      UV p = point_at(piece, t);
       p[c] = line;
       p = glm::clamp(p, piece.box.lo, piece.box.hi);
       p[c] = line;
-      cuts.push_back({0.5 * (a + b), p, {c == 0, c == 1}});
+      cuts.push_back({t, p, {c == 0, c == 1}});
     }
   }
   // In order along the piece; its ends stay first and last whatever the others' rounded t, and equal t go by the coordinates.
@@ -259,21 +317,22 @@ void TrimRegion::cut_at_grid(std::uint32_t k, CellParts& parts) const {
       const double left = box_.lo.x + c * step_.x, bottom = box_.lo.y + r * step_.y;
       clip.enters0 = from.p.x == left && from.p.y > bottom;
       clip.enters1 = to.p.x == left && to.p.y > bottom;
-      parts.within[static_cast<std::size_t>(r) * columns_ + c].push_back(number);
+      parts.within.push_back({static_cast<std::uint32_t>(r * columns_ + c), number});
     }
     // The cells that its tolerance may let points in: around the box of its ends.
     const Vec2 lo = glm::max(glm::min(from.p, to.p) - piece.reach, piece.near_box.lo);
     const Vec2 hi = glm::min(glm::max(from.p, to.p) + piece.reach, piece.near_box.hi);
     const int c0 = column(lo.x), c1 = column(hi.x), r0 = row(lo.y), r1 = row(hi.y);
     for (int r = r0; r <= r1; ++r)
-      for (int c = c0; c <= c1; ++c) parts.near[static_cast<std::size_t>(r) * columns_ + c].push_back(number);
+      for (int c = c0; c <= c1; ++c) parts.near.push_back({static_cast<std::uint32_t>(r * columns_ + c), number});
   }
 }
 
 void TrimRegion::fill_cells() {
   const std::size_t count = static_cast<std::size_t>(columns_) * rows_;
-  CellParts parts{{}, std::vector<std::vector<std::uint32_t>>(count), std::vector<std::vector<std::uint32_t>>(count)};
+  CellParts parts;
   for (std::uint32_t k = 0; k < pieces_.size(); ++k) cut_at_grid(k, parts);
+  const EntriesByCell within(parts.within, count), near(parts.near, count);
   states_.resize(count);
   lists_.resize(count + 1);
   // The clips in the order of the cells; those without length, which no cell holds, come last.
@@ -288,12 +347,12 @@ void TrimRegion::fill_cells() {
     bool inside = false;
     for (int c = 0; c < columns_; ++c) {
       const std::size_t index = static_cast<std::size_t>(r) * columns_ + c;
-      const bool plain = parts.within[index].empty() && parts.near[index].empty();
+      const bool plain = within.begin[index] == within.begin[index + 1] && near.begin[index] == near.begin[index + 1];
       lists_[index].clips_begin = static_cast<std::uint32_t>(clips_.size());
       states_[index] = {plain ? (inside ? Kind::inside : Kind::outside) : Kind::crossing, inside};
       const double bottom = box_.lo.y + r * step_.y;
-      for (const std::uint32_t number : parts.within[index]) {
-        put(number);
+      for (std::uint32_t k = within.begin[index]; k < within.begin[index + 1]; ++k) {
+        put(within.clips[k]);
         if (clips_.back().p0.y <= bottom && clips_.back().p1.y > bottom) inside = !inside;
       }
     }
@@ -301,11 +360,8 @@ void TrimRegion::fill_cells() {
   lists_[count].clips_begin = static_cast<std::uint32_t>(clips_.size());
   for (std::uint32_t number = 0; number < place.size(); ++number)
     if (place[number] == kNowhere) put(number);
-  for (std::size_t index = 0; index < count; ++index) {
-    lists_[index].near_begin = static_cast<std::uint32_t>(near_.size());
-    for (const std::uint32_t number : parts.near[index]) near_.push_back(place[number]);
-  }
-  lists_[count].near_begin = static_cast<std::uint32_t>(near_.size());
+  for (std::size_t index = 0; index <= count; ++index) lists_[index].near_begin = near.begin[index];
+  for (const std::uint32_t number : near.clips) near_.push_back(place[number]);
 }
 
 }  // namespace iso

@@ -128,8 +128,8 @@ bool proves_empty(const BezierPatch& patch, const LocalRay& ray, const Window& w
 // The coefficients of (f, g) over a window: a tensor-product Bernstein net of 2-vectors on a shared stack.
 class Subdivision {
  public:
-  Subdivision(const LeafPatch& patch, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots)
-      : patch_(patch.piece.patch), ray_(ray), stats_(stats), roots_(roots), stride_(patch_.net.size()), first_root_(roots.size()) {}
+  Subdivision(const BezierPatch& patch, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots)
+      : patch_(patch), ray_(ray), stats_(stats), roots_(roots), stride_(patch_.net.size()), first_root_(roots.size()) {}
 
   void run(const Window& leaf) {
     nets_.resize(stride_);
@@ -336,7 +336,7 @@ thread_local std::vector<Window> Subdivision::windows_;
 
 }  // namespace
 
-void roots_in_window(const LeafPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots) {
+void roots_in_window(const BezierPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots) {
   ++stats.fallbacks;
   Subdivision(patch, ray, stats, roots).run(window);
 }

@@ -20,6 +20,6 @@ struct Root {
 };
 
 // Appends the roots in the window (and within rounding of its border), in no order, whatever their t.
-void roots_in_window(const LeafPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots);
+void roots_in_window(const BezierPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots);
 
 }  // namespace iso

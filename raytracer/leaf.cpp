@@ -2,9 +2,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <iterator>
 
 #include "patches/base/check.h"
+#include "patches/base/per_degree.h"
 
 namespace iso {
 
@@ -46,18 +48,19 @@ Leaf make_leaf(const FaceCell& cell, std::uint32_t patch, bool has_powers, doubl
   return leaf;
 }
 
-// Row i: the powers of x = s - 1/2 of the i-th Bernstein polynomial, C(p, i) (1/2 + x)^i (1/2 - x)^(p - i).
-std::vector<std::vector<long double>> bernstein_powers(int degree) {
-  std::vector<std::vector<long double>> rows;
-  long double binomial = 1;
+// Row i: the powers of x = s - 1/2 of the i-th Bernstein polynomial, C(p, i) (1/2 + x)^i (1/2 - x)^(p - i). Up to kMostPower these are
+// fractions of 2^p that doubles hold exactly.
+std::vector<double> bernstein_powers(int degree) {
+  std::vector<double> rows;
+  double binomial = 1;
   for (int i = 0; i <= degree; ++i) {
-    std::vector<long double> row{binomial};
+    std::vector<double> row{binomial};
     for (int k = 0; k < degree; ++k) {  // times (1/2 + x) or (1/2 - x)
       row.push_back(0);
-      for (std::size_t n = row.size() - 1; n > 0; --n) row[n] = 0.5L * row[n] + (k < i ? row[n - 1] : -row[n - 1]);
-      row[0] *= 0.5L;
+      for (std::size_t n = row.size() - 1; n > 0; --n) row[n] = 0.5 * row[n] + (k < i ? row[n - 1] : -row[n - 1]);
+      row[0] *= 0.5;
     }
-    rows.push_back(row);
+    rows.insert(rows.end(), row.begin(), row.end());
     binomial = binomial * (degree - i) / (i + 1);
   }
   return rows;
@@ -67,24 +70,47 @@ void add_powers(PartGeometry& geometry, LeafPatch& patch) {
   const BezierPatch& net = patch.piece.patch;
   for (const Vec4& h : net.net) patch.rational |= h.w != 1;
   patch.powers = static_cast<std::uint32_t>(geometry.powers.size());
-  const auto u = bernstein_powers(net.pu), v = bernstein_powers(net.pv);
-  const int components = patch.rational ? 4 : 3;
-  std::vector<long double> half(net.net.size() * components);  // powers in t, still Bernstein in s
-  const auto at = [&](int i, int l, int c) -> long double& {
-    return half[(static_cast<std::size_t>(i) * (net.pv + 1) + l) * components + c];
-  };
-  for (int i = 0; i <= net.pu; ++i)
-    for (int l = 0; l <= net.pv; ++l)
-      for (int c = 0; c < components; ++c)
-        for (int j = 0; j <= net.pv; ++j) at(i, l, c) += v[j][l] * net.at(i, j)[c];
-  for (int k = 0; k <= net.pu; ++k)
-    for (int l = 0; l <= net.pv; ++l)
+  const int pu = net.pu, pv = net.pv, components = patch.rational ? 4 : 3, row_length = (pv + 1) * components;
+  const double *u = of_degree<std::vector<double>, bernstein_powers>(pu).data(),
+               *v = of_degree<std::vector<double>, bernstein_powers>(pv).data();
+  std::array<long double, (kMostPower + 1) * (kMostPower + 1) * 4> half;  // powers in t, still Bernstein in s
+  for (int i = 0; i <= pu; ++i)
+    for (int l = 0; l <= pv; ++l)
       for (int c = 0; c < components; ++c) {
         long double sum = 0;
-        for (int i = 0; i <= net.pu; ++i) sum += u[i][k] * at(i, l, c);
-        geometry.powers.push_back(static_cast<double>(sum));
-        geometry.float_powers.push_back(static_cast<float>(sum));
+        for (int j = 0; j <= pv; ++j) sum += static_cast<long double>(v[j * (pv + 1) + l]) * net.at(i, j)[c];
+        half[i * row_length + l * components + c] = sum;
       }
+  const std::size_t count = net.net.size() * components;
+  geometry.powers.resize(patch.powers + count);
+  geometry.float_powers.resize(patch.powers + count);
+  for (int k = 0; k <= pu; ++k)
+    for (int n = 0; n < row_length; ++n) {
+      long double sum = 0;
+      for (int i = 0; i <= pu; ++i) sum += static_cast<long double>(u[i * (pu + 1) + k]) * half[i * row_length + n];
+      const std::size_t to = patch.powers + static_cast<std::size_t>(k * row_length + n);
+      geometry.powers[to] = static_cast<double>(sum);
+      geometry.float_powers[to] = static_cast<float>(sum);
+    }
+  patch.piece.patch.net = {};
+}
+
+// Row i: the i-th Bernstein coefficients of the powers of x = s - 1/2, blossoms at i ones and p - i zeros: the mean, over all choices of k
+// of these, of the products of +-1/2.
+std::vector<double> powers_in_bernstein(int degree) {
+  const auto choose = [](int n, int k) {
+    double c = k >= 0 && k <= n ? 1 : 0;
+    for (int m = 0; m < k && c > 0; ++m) c = c * (n - m) / (m + 1);
+    return c;
+  };
+  std::vector<double> rows;
+  for (int i = 0; i <= degree; ++i)
+    for (int k = 0; k <= degree; ++k) {
+      double sum = 0;
+      for (int m = 0; m <= k; ++m) sum += ((k - m) % 2 ? -1 : 1) * choose(i, m) * choose(degree - i, k - m);
+      rows.push_back(std::ldexp(sum / choose(degree, k), -k));
+    }
+  return rows;
 }
 
 // False for the kinds that go through their Bezier pieces.
@@ -139,6 +165,27 @@ void add_patches(PartGeometry& geometry, std::uint32_t index, const Face& face, 
 }
 
 }  // namespace
+
+void bernstein_form(const PartGeometry& geometry, const LeafPatch& patch, BezierPatch& net) {
+  net = patch.piece.patch;
+  if (patch.powers == LeafPatch::kNoPowers) return;
+  const int pu = net.pu, pv = net.pv, components = patch.rational ? 4 : 3;
+  const double* powers = &geometry.powers[patch.powers];
+  const double *u = of_degree<std::vector<double>, powers_in_bernstein>(pu).data(),
+               *v = of_degree<std::vector<double>, powers_in_bernstein>(pv).data();
+  net.net.assign((static_cast<std::size_t>(pu) + 1) * (pv + 1), Vec4(0, 0, 0, 1));
+  for (int i = 0; i <= pu; ++i)
+    for (int j = 0; j <= pv; ++j)
+      for (int c = 0; c < components; ++c) {
+        long double sum = 0;
+        for (int k = 0; k <= pu; ++k) {
+          long double row = 0;
+          for (int l = 0; l <= pv; ++l) row += static_cast<long double>(v[j * (pv + 1) + l]) * powers[(k * (pv + 1) + l) * components + c];
+          sum += u[i * (pu + 1) + k] * row;
+        }
+        net.at(i, j)[c] = static_cast<double>(sum);
+      }
+}
 
 namespace {
 

@@ -34,7 +34,7 @@ struct LeafCurls {
 inline constexpr double kLeafGrid = 4096;  // leaves lie on a dyadic grid of 2^12
 
 struct LeafPatch {
-  BezierPiece piece;
+  BezierPiece piece;  // its net is kept only where there are no powers (`bernstein_form`)
   std::uint32_t face = 0;
   std::uint32_t powers = kNoPowers;  // index into PartGeometry::powers and float_powers
   bool rational = false;             // four components (x y z w) a coefficient, else three
@@ -70,6 +70,10 @@ struct PartGeometry {
 
   std::size_t bytes() const;
 };
+
+// The net of a patch for the solver of last resort, from the powers: each coefficient to some units in the last place of the
+// largest.
+void bernstein_form(const PartGeometry& geometry, const LeafPatch& patch, BezierPatch& net);
 
 // Divides all faces, in parallel. Boxes are inflated for the float rounding of rays that start on the part's box.
 PartGeometry make_geometry(const Part& part);

@@ -169,9 +169,11 @@ class Offers final : public RootSink {
 
   void undecided(LaneMask lanes, const Window& window) override {
     thread_local std::vector<Root> roots;
+    thread_local BezierPatch net;
+    bernstein_form(geometry_, patch_, net);
     for_each_lane(lanes, [&](int lane) {
       roots.clear();
-      roots_in_window(patch_, window, packet_.local.ray(lane), *packet_.stats, roots);
+      roots_in_window(net, window, packet_.local.ray(lane), *packet_.stats, roots);
       for (const Root& root : roots) propose(lane, root.st, root.t, root.status, root.steps);
     });
   }

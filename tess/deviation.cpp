@@ -4,6 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <optional>
+
+#include "tess/box_tree.h"
 
 namespace iso {
 
@@ -34,6 +38,20 @@ class Around {
   std::vector<std::uint32_t> first_, triangles_;
 };
 
+// All triangles by place, made when first needed: for points from which the way downhill may end in the wrong valley.
+class Everywhere {
+ public:
+  explicit Everywhere(const PartMesh& mesh) : mesh_(mesh) {}
+
+  // The distance of p from the nearest triangle, given one that is not the least.
+  double nearest(const Point3& p, double found);
+
+ private:
+  const PartMesh& mesh_;
+  std::once_flag once_;
+  std::optional<BoxTree<Vec3>> tree_;
+};
+
 // The point of a triangle nearest to p, as barycentric coordinates.  [Ericson 2005, 5.1.5]
 Vec3 nearest_in_triangle(const Point3& p, const Point3& a, const Point3& b, const Point3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
@@ -62,6 +80,26 @@ Vec3 nearest_in_triangle(const Point3& p, const Point3& a, const Point3& b, cons
   }
   const double inverse = 1 / (va + vb + vc);
   return {1 - (vb + vc) * inverse, vb * inverse, vc * inverse};
+}
+
+double Everywhere::nearest(const Point3& p, double found) {
+  std::call_once(once_, [this] {
+    std::vector<Box3> boxes;
+    boxes.reserve(mesh_.triangles.size());
+    for (const Triangle& t : mesh_.triangles) {
+      Box3 box;
+      for (int k = 0; k < 3; ++k) box.include(mesh_.corner(t, k));
+      boxes.push_back(box);
+    }
+    tree_.emplace(std::move(boxes));
+  });
+  tree_->for_each_touching(Box3{p, p}.inflated(found), [&](std::uint32_t i) {
+    const Triangle& t = mesh_.triangles[i];
+    const Point3 &a = mesh_.corner(t, 0), &b = mesh_.corner(t, 1), &c = mesh_.corner(t, 2);
+    const Vec3 l = nearest_in_triangle(p, a, b, c);
+    found = std::min(found, glm::length(l.x * a + l.y * b + l.z * c - p));
+  });
+  return found;
 }
 
 // Distance of p from the mesh, found by walking downhill from a triangle over its neighbours.
@@ -96,11 +134,10 @@ double distance_to_mesh(const PartMesh& mesh, const Around& around, const Point3
 }
 
 // Distance of x from the surface near (u, v), by Gauss-Newton steps that are taken only downhill.
-double distance_to_surface(const AnySurface& surface, const Point3& x, UV uv) {
+double distance_to_surface(const AnySurface& surface, const Point3& x, UV uv, int steps) {
   Jet2 at = jet2(surface, uv);
   double least = glm::length(at.S - x);
-  constexpr int kSteps = 4;
-  for (int i = 0; i < kSteps; ++i) {
+  for (int i = 0; i < steps; ++i) {
     const Vec3 r = x - at.S;
     const double E = glm::dot(at.Su, at.Su), F = glm::dot(at.Su, at.Sv), G = glm::dot(at.Sv, at.Sv), det = E * G - F * F;
     if (!(det > 1e-12 * E * G)) break;
@@ -133,8 +170,8 @@ const std::vector<Vec3>& samples_of(Sampling sampling) {
 
 class FaceMeter {
  public:
-  FaceMeter(const Part& part, const PartMesh& mesh, const Around& around, std::size_t face)
-      : face_(part.faces[face]), mesh_(mesh), around_(around) {}
+  FaceMeter(const Part& part, const PartMesh& mesh, const Around& around, Everywhere& everywhere, std::size_t face)
+      : face_(part.faces[face]), mesh_(mesh), around_(around), everywhere_(everywhere) {}
 
   FaceDeviation measured(std::uint32_t begin, std::uint32_t end, Sampling sampling) {
     double angles = 0;
@@ -146,8 +183,8 @@ class FaceMeter {
         const UV uv = l.x * mesh_.nodes[t[0]].uv + l.y * mesh_.nodes[t[1]].uv + l.z * mesh_.nodes[t[2]].uv;
         const Point3 x = l.x * mesh_.corner(t, 0) + l.y * mesh_.corner(t, 1) + l.z * mesh_.corner(t, 2);
         const Jet2 at = jet2(face_.surface, uv);
-        take(result_.to_surface, distance_to_surface(face_.surface, x, uv), uv, x);
-        take(result_.to_mesh, distance_to_mesh(mesh_, around_, at.S, i), uv, at.S);
+        take(result_.to_surface, off_surface(x, uv, t), uv, x);
+        take(result_.to_mesh, off_mesh(at.S, i), uv, at.S);
         const Vec3 n = glm::cross(at.Su, at.Sv) * (face_.reversed ? -1.0 : 1.0);
         if (glm::length(n) == 0) continue;
         const double angle = std::atan2(glm::length(glm::cross(n, cross)), glm::dot(n, cross));
@@ -161,6 +198,20 @@ class FaceMeter {
   }
 
  private:
+  // What would be the largest distance so far is looked at twice.
+  double off_mesh(const Point3& S, std::uint32_t triangle) {
+    const double found = distance_to_mesh(mesh_, around_, S, triangle);
+    return found > result_.worst ? everywhere_.nearest(S, found) : found;
+  }
+
+  double off_surface(const Point3& x, const UV& uv, const Triangle& t) {
+    constexpr int kFew = 4, kMany = 32;
+    double found = distance_to_surface(face_.surface, x, uv, kFew);
+    if (!(found > result_.worst)) return found;
+    for (std::uint32_t n : t) found = std::min(found, distance_to_surface(face_.surface, x, 0.9 * mesh_.nodes[n].uv + 0.1 * uv, kMany));
+    return found;
+  }
+
   void take(DistanceCounts& counts, double distance, const UV& uv, const Point3& place) {
     counts.add(distance);
     if (distance <= result_.worst) return;
@@ -172,6 +223,7 @@ class FaceMeter {
   const Face& face_;
   const PartMesh& mesh_;
   const Around& around_;
+  Everywhere& everywhere_;
   FaceDeviation result_;
 };
 
@@ -211,10 +263,11 @@ double DistanceCounts::percentile(double share) const {
 
 Deviation measure(const Part& part, const PartMesh& mesh, Sampling sampling) {
   const Around around(mesh);
+  Everywhere everywhere(mesh);
   Deviation result;
   result.faces.resize(part.faces.size());
   tbb::parallel_for(std::size_t{0}, part.faces.size(), [&](std::size_t f) {
-    result.faces[f] = FaceMeter(part, mesh, around, f).measured(mesh.first_triangle[f], mesh.first_triangle[f + 1], sampling);
+    result.faces[f] = FaceMeter(part, mesh, around, everywhere, f).measured(mesh.first_triangle[f], mesh.first_triangle[f + 1], sampling);
   });
   double angles = 0, count = 0;
   for (std::size_t f = 0; f < result.faces.size(); ++f) {

@@ -71,7 +71,7 @@ namespace {
 
 // A domain that reaches beyond a knot by rounding only ends at that knot.
 Box2 bend_domain(const Face& face) {
-  constexpr double kRounding = 1e-9;
+  constexpr double kRounding = 1e-7;
   Box2 box = face.domain;
   const auto* nurbs = std::get_if<NurbsSurface>(&face.surface);
   if (!nurbs) return box;

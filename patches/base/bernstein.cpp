@@ -2,6 +2,23 @@
 
 namespace iso {
 
+void bernstein_basis(int degree, double s, BernsteinBasis& b) {
+  const double r = 1 - s;
+  b.B[0] = 1;
+  for (int n = 1; n <= degree; ++n) {
+    if (n == degree)  // derivative from the functions of one degree less
+      for (int i = 0; i <= degree; ++i) b.D[i] = degree * ((i > 0 ? b.B[i - 1] : 0.0) - (i < degree ? b.B[i] : 0.0));
+    double carried = 0;
+    for (int i = 0; i < n; ++i) {
+      const double value = b.B[i];
+      b.B[i] = carried + r * value;
+      carried = s * value;
+    }
+    b.B[n] = carried;
+  }
+  if (degree == 0) b.D[0] = 0;
+}
+
 std::vector<double> bernstein_product(const std::vector<double>& a, const std::vector<double>& b) {
   const int m = static_cast<int>(a.size()) - 1, n = static_cast<int>(b.size()) - 1;
   const auto choose = [](int top, int k) {

@@ -1,8 +1,10 @@
 // Bernstein polynomials on [0, 1]: values, derivatives, splitting, products and roots. Coefficients in rising order.
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "patches/base/bspline_basis.h"
 #include "patches/base/vec.h"
 
 namespace iso {
@@ -44,6 +46,18 @@ std::vector<T> bernstein_part(const std::vector<T>& c, double s0, double s1) {
   return rest;
 }
 
+// The same in place, of the n + 1 coefficients row[0], row[step], ...
+template <class T>
+void bernstein_restrict(T* row, std::size_t step, int n, double lo, double hi) {
+  if (hi != 1)
+    for (int level = 1; level <= n; ++level)
+      for (int i = n; i >= level; --i) row[i * step] = (1 - hi) * row[(i - 1) * step] + hi * row[i * step];
+  if (lo == 0) return;
+  const double at = lo / hi;
+  for (int level = 1; level <= n; ++level)
+    for (int i = 0; i <= n - level; ++i) row[i * step] = (1 - at) * row[i * step] + at * row[(i + 1) * step];
+}
+
 // Coefficients of the derivative with respect to s.
 template <class T>
 std::vector<T> bernstein_derivative(const std::vector<T>& c) {
@@ -53,6 +67,12 @@ std::vector<T> bernstein_derivative(const std::vector<T>& c) {
   if (d.empty()) d.push_back(T{});
   return d;
 }
+
+// The basis of one degree and its derivatives at s.
+struct BernsteinBasis {
+  std::array<double, kMaxDegree + 1> B, D;
+};
+void bernstein_basis(int degree, double s, BernsteinBasis& b);
 
 // Coefficients of the product, degree m + n.
 std::vector<double> bernstein_product(const std::vector<double>& a, const std::vector<double>& b);

@@ -168,24 +168,12 @@ std::vector<BezierSpan<V>> spans_of(const Hyperbola<V>& c, double t0, double t1)
   return spans;
 }
 
-// The Bezier points of one knot span by blossoming: point j is the blossom at (a, .. a, b, .. b), b taken j times. `poles`: the degree + 1
-// of the span, `step` apart.
 template <class H>
-void blossom(const std::vector<double>& knots, int degree, const H* poles, std::size_t step, int span, double a, double b, H* out,
-             std::size_t out_step) {
-  std::array<H, kMaxDegree + 1> work;
-  for (int j = 0; j <= degree; ++j) {
-    for (int i = 0; i <= degree; ++i) work[static_cast<std::size_t>(i)] = poles[static_cast<std::size_t>(i) * step];
-    for (int level = 1; level <= degree; ++level) {
-      const double t = level <= j ? b : a;
-      for (int i = degree; i >= level; --i) {
-        const int k = span - degree + i;
-        const double at = (t - knots[k]) / (knots[k + degree + 1 - level] - knots[k]);
-        work[i] = (1 - at) * work[i - 1] + at * work[i];
-      }
-    }
-    out[static_cast<std::size_t>(j) * out_step] = work[degree];
-  }
+std::vector<H> bezier_points(const std::vector<double>& knots, int degree, const std::vector<H>& poles, int span, double a, double b) {
+  const SpanBlossom blossom(knots, degree, span, a, b);
+  std::vector<H> out(static_cast<std::size_t>(degree) + 1);
+  blossom.points(&poles[static_cast<std::size_t>(blossom.first_pole())], 1, out.data(), 1);
+  return out;
 }
 
 template <class V>
@@ -198,8 +186,7 @@ std::vector<BezierSpan<V>> spans_of(const NurbsCurve<V>& c, double t0, double t1
     const double a = std::max(cuts[i], t0), b = std::min(cuts[i + 1], t1);
     if (!(b > a)) continue;
     const int span = knot_span(c.knots, c.degree, 0.5 * (a + b));
-    spans.push_back({std::vector<Homogeneous<V>>(static_cast<std::size_t>(c.degree) + 1), {ParamMap::Kind::affine, a, b}});
-    blossom(c.knots, c.degree, &c.poles[static_cast<std::size_t>(span - c.degree)], 1, span, a, b, spans.back().points.data(), 1);
+    spans.push_back({bezier_points(c.knots, c.degree, c.poles, span, a, b), {ParamMap::Kind::affine, a, b}});
     if (spans.size() > 1 && spans[spans.size() - 2].map.b == a) {
       // Neighbours in a chain share their end point bit for bit (they agree to rounding by continuity).
       auto& before = spans[spans.size() - 2].points.back();
@@ -218,9 +205,16 @@ std::vector<BezierSpan<V>> bezier_spans(const Curve<V>& curve, double t0, double
   return std::visit([=](const auto& c) { return spans_of(c, t0, t1); }, curve);
 }
 
-void bezier_points_of_row(const std::vector<double>& knots, int degree, const Vec4* poles, std::size_t step, int span, double a, double b,
-                          Vec4* out, std::size_t out_step) {
-  blossom(knots, degree, poles, step, span, a, b, out, out_step);
+SpanBlossom::SpanBlossom(const std::vector<double>& knots, int degree, int span, double a, double b)
+    : degree_(degree), first_pole_(span - degree) {
+  for (int j = 0; j <= degree; ++j)
+    for (int level = 1; level <= degree; ++level) {
+      const double t = level <= j ? b : a;
+      for (int i = degree; i >= level; --i) {
+        const int k = span - degree + i;
+        ratios_.push_back((t - knots[k]) / (knots[k + degree + 1 - level] - knots[k]));
+      }
+    }
 }
 
 template std::string problem_of(const NurbsCurve<Vec2>&);

@@ -3,76 +3,36 @@
 #include <array>
 
 #include "patches/base/bernstein.h"
-#include "patches/base/bspline_basis.h"
+#include "patches/base/four.h"
 #include "patches/curve/bspline_tools.h"
 
 namespace iso {
-
-namespace {
-
-// Bernstein values and derivatives of one degree at s.
-struct BernsteinBasis {
-  std::array<double, kMaxDegree + 1> B, D;
-};
-
-void bernstein_basis(int degree, double s, BernsteinBasis& b) {
-  const double r = 1 - s;
-  b.B[0] = 1;
-  for (int n = 1; n <= degree; ++n) {
-    if (n == degree)  // derivative from the functions of one degree less
-      for (int i = 0; i <= degree; ++i) b.D[i] = degree * ((i > 0 ? b.B[i - 1] : 0.0) - (i < degree ? b.B[i] : 0.0));
-    double carried = 0;
-    for (int i = 0; i < n; ++i) {
-      const double value = b.B[i];
-      b.B[i] = carried + r * value;
-      carried = s * value;
-    }
-    b.B[n] = carried;
-  }
-  if (degree == 0) b.D[0] = 0;
-}
-
-}  // namespace
 
 HomogeneousJet homogeneous_jet(const BezierPatch& patch, const Vec2& st) {
   BernsteinBasis bs, bt;
   bernstein_basis(patch.pu, st.x, bs);
   bernstein_basis(patch.pv, st.y, bt);
-  HomogeneousJet jet;
+  Four H{}, Hs{}, Ht{};
   const Vec4* row = patch.net.data();
   for (int i = 0; i <= patch.pu; ++i, row += patch.pv + 1) {
-    Vec4 value{0.0}, slope{0.0};
+    Four value{}, slope{};
     for (int j = 0; j <= patch.pv; ++j) {
-      value += bt.B[j] * row[j];
-      slope += bt.D[j] * row[j];
+      const Four h(row[j]);
+      value += bt.B[j] * h;
+      slope += bt.D[j] * h;
     }
-    jet.H += bs.B[i] * value;
-    jet.Hs += bs.D[i] * value;
-    jet.Ht += bs.B[i] * slope;
+    H += bs.B[i] * value;
+    Hs += bs.D[i] * value;
+    Ht += bs.B[i] * slope;
   }
-  return jet;
+  return {Vec4(H), Vec4(Hs), Vec4(Ht)};
 }
-
-namespace {
-
-// Restricts a row of n + 1 coefficients to [lo, hi], in place.
-void restrict_row(Vec4* row, std::size_t step, int n, double lo, double hi) {
-  if (hi != 1)
-    for (int level = 1; level <= n; ++level)
-      for (int i = n; i >= level; --i) row[i * step] = (1 - hi) * row[(i - 1) * step] + hi * row[i * step];
-  if (lo == 0) return;
-  const double at = lo / hi;
-  for (int level = 1; level <= n; ++level)
-    for (int i = 0; i <= n - level; ++i) row[i * step] = (1 - at) * row[i * step] + at * row[(i + 1) * step];
-}
-
-}  // namespace
 
 BezierPatch part_of(const BezierPatch& patch, const Vec2& lo, const Vec2& hi) {
   BezierPatch out = patch;
   const std::size_t columns = static_cast<std::size_t>(patch.pv) + 1;
-  for (int j = 0; j <= patch.pv; ++j) restrict_row(&out.net[static_cast<std::size_t>(j)], columns, patch.pu, lo.x, hi.x);
-  for (int i = 0; i <= patch.pu; ++i) restrict_row(&out.net[static_cast<std::size_t>(i) * columns], 1, patch.pv, lo.y, hi.y);
+  for (int j = 0; j <= patch.pv; ++j) bernstein_restrict(&out.net[static_cast<std::size_t>(j)], columns, patch.pu, lo.x, hi.x);
+  for (int i = 0; i <= patch.pu; ++i) bernstein_restrict(&out.net[static_cast<std::size_t>(i) * columns], 1, patch.pv, lo.y, hi.y);
   return out;
 }
 
@@ -84,13 +44,13 @@ void split_in_half(const BezierPatch& patch, int direction, BezierPatch& low, Be
   const int lines = direction == 0 ? patch.pv : patch.pu, degree = direction == 0 ? patch.pu : patch.pv;
   const std::size_t step = direction == 0 ? static_cast<std::size_t>(patch.pv) + 1 : 1,
                     across = direction == 0 ? 1 : static_cast<std::size_t>(patch.pv) + 1;
-  std::array<Vec4, kMaxDegree + 1> work;
+  std::array<Four, kMaxDegree + 1> work;
   for (int k = 0; k <= lines; ++k) {
     const std::size_t base = static_cast<std::size_t>(k) * across;
-    for (int i = 0; i <= degree; ++i) work[i] = patch.net[base + i * step];
+    for (int i = 0; i <= degree; ++i) work[i] = Four(patch.net[base + i * step]);
     for (int level = 0; level <= degree; ++level) {
-      low.net[base + level * step] = work[0];
-      high.net[base + (degree - level) * step] = work[degree - level];
+      work[0].store(low.net[base + level * step]);
+      work[degree - level].store(high.net[base + (degree - level) * step]);
       for (int i = 0; i + level < degree; ++i) work[i] = 0.5 * (work[i] + work[i + 1]);
     }
   }
@@ -210,31 +170,32 @@ std::vector<KnotPiece> knot_pieces(const std::vector<double>& knots, int degree,
   return out;
 }
 
-BezierPiece nurbs_piece(const NurbsSurface& s, const KnotPiece& ku, const KnotPiece& kv) {
-  BezierPiece piece;
-  piece.u = {ParamMap::Kind::affine, ku.a, ku.b};
-  piece.v = {ParamMap::Kind::affine, kv.a, kv.b};
-  piece.patch.pu = s.degree_u;
-  piece.patch.pv = s.degree_v;
-  // First along v for the rows that matter, then along u.
-  const std::size_t row = static_cast<std::size_t>(s.degree_v) + 1, first_v = static_cast<std::size_t>(kv.span - s.degree_v);
-  std::vector<Vec4> rows(static_cast<std::size_t>(s.degree_u + 1) * row);
-  for (int i = 0; i <= s.degree_u; ++i) {
-    const Vec4* poles = &s.poles[static_cast<std::size_t>(ku.span - s.degree_u + i) * static_cast<std::size_t>(s.count_v) + first_v];
-    bezier_points_of_row(s.knots_v, s.degree_v, poles, 1, kv.span, kv.a, kv.b, &rows[static_cast<std::size_t>(i) * row], 1);
-  }
-  piece.patch.net.resize(rows.size());
-  for (std::size_t j = 0; j < row; ++j)
-    bezier_points_of_row(s.knots_u, s.degree_u, &rows[j], row, ku.span, ku.a, ku.b, &piece.patch.net[j], row);
-  return piece;
-}
-
+// Along v first, for all rows of poles.
 std::vector<BezierPiece> pieces_of(const NurbsSurface& s, const Box2& uv) {
   std::vector<BezierPiece> pieces;
   const auto us = knot_pieces(s.knots_u, s.degree_u, uv.lo.x, uv.hi.x);
   const auto vs = knot_pieces(s.knots_v, s.degree_v, uv.lo.y, uv.hi.y);
-  for (const KnotPiece& ku : us)
-    for (const KnotPiece& kv : vs) pieces.push_back(nurbs_piece(s, ku, kv));
+  const std::size_t across = static_cast<std::size_t>(s.degree_v) + 1, columns = across * vs.size();
+  std::vector<Vec4> rows(static_cast<std::size_t>(s.count_u) * columns);
+  for (std::size_t k = 0; k < vs.size(); ++k) {
+    const SpanBlossom blossom(s.knots_v, s.degree_v, vs[k].span, vs[k].a, vs[k].b);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(s.count_u); ++i)
+      blossom.points(&s.poles[i * s.count_v + blossom.first_pole()], 1, &rows[i * columns + k * across], 1);
+  }
+  pieces.reserve(us.size() * vs.size());
+  for (const KnotPiece& ku : us) {
+    const SpanBlossom blossom(s.knots_u, s.degree_u, ku.span, ku.a, ku.b);
+    for (std::size_t k = 0; k < vs.size(); ++k) {
+      BezierPiece& piece = pieces.emplace_back();
+      piece.u = {ParamMap::Kind::affine, ku.a, ku.b};
+      piece.v = {ParamMap::Kind::affine, vs[k].a, vs[k].b};
+      piece.patch.pu = s.degree_u;
+      piece.patch.pv = s.degree_v;
+      piece.patch.net.resize((static_cast<std::size_t>(s.degree_u) + 1) * across);
+      for (std::size_t j = 0; j < across; ++j)
+        blossom.points(&rows[blossom.first_pole() * columns + k * across + j], columns, &piece.patch.net[j], across);
+    }
+  }
   return pieces;
 }
 

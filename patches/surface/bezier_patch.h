@@ -35,7 +35,7 @@ HomogeneousJet homogeneous_jet(const BezierPatch& patch, const Vec2& st);
 // The part over the box [lo, hi], which may reach beyond the unit square (weights may then fall to zero or below).
 BezierPatch part_of(const BezierPatch& patch, const Vec2& lo, const Vec2& hi);
 
-// The halves of a patch, in s (direction 0) or t (direction 1).
+// The halves of a patch, in s (direction 0) or t (direction 1). One of them may be the patch itself.
 void split_in_half(const BezierPatch& patch, int direction, BezierPatch& low, BezierPatch& high);
 
 Box3 hull_box(const BezierPatch& patch);

@@ -108,6 +108,17 @@ void examine(Random& random, const SurfaceCase& c, const BezierPiece& piece, con
   }
 }
 
+void finish(CellTallies& t) {
+  t.area.finish(t.pieces);
+  t.once.finish(t.pieces * 20);
+  t.strays.finish(t.cells * 6);
+  t.boxes.finish(t.cells * 6);
+  t.grid.finish(t.cells);
+  t.slabs.finish(t.cells * 18);
+  t.curls.finish(t.cells * 6);
+  t.tilts.finish(t.tilted);
+}
+
 TEST(Cells, PartitionEveryKindWithHonestBounds) {
   Random random(kSeed);
   CellTallies t;
@@ -125,18 +136,58 @@ TEST(Cells, PartitionEveryKindWithHonestBounds) {
         EXPECT_EQ(cells.front().piece, 7);
       }
     }
-  t.area.finish(t.pieces);
-  t.once.finish(t.pieces * 20);
-  t.strays.finish(t.cells * 6);
-  t.boxes.finish(t.cells * 6);
-  t.grid.finish(t.cells);
-  t.slabs.finish(t.cells * 18);
-  t.curls.finish(t.cells * 6);
-  t.tilts.finish(t.tilted);
+  finish(t);
   EXPECT_GE(t.tilted, 3 * t.cells);
   EXPECT_GE(t.pieces, 100u);
   EXPECT_GE(t.cells, 10000u);
   fmt::print("[ measured ] {} pieces, {} cells; largest used share of a stray bound {:.3g}\n", t.pieces, t.cells, t.stray_use);
+}
+
+// A graph over the unit square with waves and noise, of any degree and with weights in [1, 1 + spread].
+BezierPiece wavy_piece(Random& random, int pu, int pv, double spread) {
+  BezierPiece piece;
+  piece.patch.pu = pu;
+  piece.patch.pv = pv;
+  for (int i = 0; i <= pu; ++i)
+    for (int j = 0; j <= pv; ++j) {
+      const double x = static_cast<double>(i) / pu, y = static_cast<double>(j) / pv;
+      const Vec3 p = Vec3(x, y, 0.3 * std::sin(4 * x) * std::cos(3 * y)) + random_vector<Vec3>(random, 0.02);
+      piece.patch.net.push_back(homogeneous(p, 1 + spread * between(random, 0, 1)));
+    }
+  return piece;
+}
+
+// Above degree three bounds go by way of a cubic.
+TEST(Cells, HighDegreesHaveHonestBounds) {
+  Random random(kSeed + 3);
+  CellTallies t;
+  for (int round = 0; round < 40; ++round) {
+    const BezierPiece piece = wavy_piece(random, whole(random, 1, 12), whole(random, 4, 12), round % 4 ? 0.4 : 1e-3);
+    std::vector<FaceCell> cells;
+    divide(piece, 0, TrimRegion{}, {}, cells);
+    examine(random, {"a rational patch of high degree", Plane{}, {{0, 0}, {1, 1}}}, piece, cells, t);
+  }
+  finish(t);
+  fmt::print("[ measured ] {} pieces, {} cells; largest used share of a stray bound {:.3g}\n", t.pieces, t.cells, t.stray_use);
+}
+
+// A face that is a line to rounding, with weights that differ in their last bits, as hammer.iges has some: rounding decides nothing.
+TEST(Cells, AFaceWithoutWidthIsCutAlongItsLengthOnly) {
+  BezierPiece piece;
+  piece.patch.pu = piece.patch.pv = 2;
+  const double weights[] = {0.99999999999999178, 0.99999999999999589, 1};
+  const Vec3 corners[] = {{-6456.9, 1604.9, 17182.2}, {-6456.9, 1604.9, 18676.7}, {-6456.9, 110.5, 18676.7}};
+  for (const double w : weights)
+    for (int j = 0; j <= 2; ++j) piece.patch.net.push_back(homogeneous(corners[j], j == 1 ? 0.707106781 * w : w));
+  CellPolicy policy;
+  policy.small = 41;
+  std::vector<FaceCell> cells;
+  divide(piece, 0, TrimRegion{}, policy, cells);
+  for (const FaceCell& cell : cells) {
+    EXPECT_EQ(cell.hi.x - cell.lo.x, 1);
+    EXPECT_EQ(cell.tilt, kInf);
+  }
+  EXPECT_LE(cells.size(), 128u);
 }
 
 // A smooth piece at the default policy ends with cells that keep it: the certificate holds for head-on rays nearly everywhere.

@@ -1,4 +1,5 @@
 // The certified solver against brute subdivision: on random patches, on patches with collapsed sides and folds, on grazing rays.
+#include "raytracer/leaf.h"
 #include "reference/brute_rays.h"
 #include "tests/support/random_shapes.h"
 #include "tests/support/solids.h"
@@ -171,6 +172,37 @@ void grazing_rays(std::uint64_t seed, int patches) {
   both.empty += near.empty;
   both.stats += near.stats;
   finish("grazing rays", hits, stretches, both, 0.5);
+}
+
+// What the last resort works on comes from the powers: the nets of the surface again, to rounding.
+TEST(Solver, NetsFromPowersAreTheSurfacesNets) {
+  Random random(kSeed + 9);
+  Tally nets("nets", kSeed + 9);
+  std::uint64_t count = 0;
+  for (const SurfaceCase& c : random_surfaces(random)) {
+    const TraceScene scene = one_face(c.surface, c.uv);
+    const Part& part = *scene.placed[0].part;  // about an origin of its own
+    const PartGeometry geometry = make_geometry(part);
+    if (geometry.patches.empty()) continue;  // met in closed form
+    const auto pieces = bezier_pieces(part.faces[0].surface, part.faces[0].domain);
+    ASSERT_EQ(pieces.size(), geometry.patches.size());
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+      BezierPatch net;
+      bernstein_form(geometry, geometry.patches[p], net);
+      ASSERT_EQ(net.net.size(), pieces[p].patch.net.size());
+      double largest = 0, apart = 0;
+      for (std::size_t i = 0; i < net.net.size(); ++i) {
+        largest = std::max(largest, glm::length(pieces[p].patch.net[i]));
+        apart = std::max(apart, glm::length(net.net[i] - pieces[p].patch.net[i]));
+      }
+      ++count;
+      const double roundings = static_cast<double>(net.net.size());  // one a power; they add up to far less
+      nets.check(apart <= roundings * kEps * largest,
+                 [&] { return fmt::format("{}: {} units of rounding apart", c.name, apart / (kEps * largest)); });
+    }
+  }
+  nets.finish(count);
+  EXPECT_GE(count, 100u);
 }
 
 TEST(Solver, RandomPatchesAgainstBruteSubdivision) { random_patches(kSeed, 100); }
