@@ -1,5 +1,7 @@
 #include "tess/edge_net.h"
 
+#include <tbb/parallel_for.h>
+
 #include "patches/curve/curve.h"
 
 namespace iso {
@@ -25,7 +27,8 @@ constexpr double kTrustedRatio = 16;
 struct Offset {
   double all = 0, along_surface = 0;
 };
-Offset offset_from_segment(const FaceShape::Placed& p, const Point3& a, const Point3& b) {
+template <class Placed>
+Offset offset_from_segment(const Placed& p, const Point3& a, const Point3& b) {
   const Vec3 ab = b - a;
   const double length2 = glm::dot(ab, ab);
   const double s = length2 > 0 ? std::clamp(glm::dot(p.S - a, ab) / length2, 0.0, 1.0) : 0.0;
@@ -33,36 +36,8 @@ Offset offset_from_segment(const FaceShape::Placed& p, const Point3& a, const Po
   return {glm::length(r), glm::length(r - glm::dot(r, p.normal) * p.normal)};
 }
 
-// How far, at most, the curve strays from the line between its ends, as a displacement (|du|, |dv|) measured by `speed`: the control points
-// of its Bezier spans bound it.
-double sliver_of(const Curve2& curve, double t0, double t1, const UV& a, const UV& b, const Vec2& speed) {
-  if (std::holds_alternative<Line<Vec2>>(curve) || t0 == t1) return 0;
-  const Vec2 line = (b - a) * speed;
-  const double length2 = glm::dot(line, line);
-  double worst = 0;
-  for (const auto& span : bezier_spans(curve, std::min(t0, t1), std::max(t0, t1)))
-    for (const Vec3& h : span.points) {
-      const Vec2 p = (project(h) - a) * speed;
-      const double s = length2 > 0 ? std::clamp(glm::dot(p, line) / length2, 0.0, 1.0) : 0.0;
-      const Vec2 off = p - s * line;
-      worst = std::max(worst, std::abs(off.x) + std::abs(off.y));
-    }
-  return worst;
-}
-
-// How far the curve of a use strays from its chord over a short piece: in (u, v) from the straight line, and over that line by the second
-// derivatives and the jumps of the first.
-double stray_of(const FaceShape& shape, const Curve2& curve, double t0, double t1, const UV& from, const UV& to) {
-  Box2 box;
-  box.include(from);
-  box.include(to);
-  const BoxBend bend = shape.bend().over(box);
-  const Vec2 d = glm::abs(to - from);
-  const auto times = [](double m, double by) { return by == 0 ? 0.0 : m * by; };
-  return sliver_of(curve, t0, t1, from, to, shape.speed(box)) +
-         (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, d.x * d.y) + times(bend.Mvv, d.y * d.y)) / 8 +
-         (times(bend.kink_u, d.x) + times(bend.kink_v, d.y)) / 4;
-}
+// Of no extent nothing counts, not even infinity.
+double times(double m, double by) { return by == 0 ? 0.0 : m * by; }
 
 // Parameters inside (lo, hi) at which a NURBS has a knot of full multiplicity.
 void add_kinks(const NurbsCurve<Vec2>& curve, std::vector<double>& at) {
@@ -79,6 +54,7 @@ void add_kinks(const NurbsCurve<Vec2>& curve, std::vector<double>& at) {
 
 EdgeNet::EdgeNet(const Part& part, const Boundary& boundary, const std::vector<FaceShape>& shapes, const EdgePolicy& policy)
     : part_(&part), boundary_(&boundary), shapes_(&shapes), policy_(policy) {
+  for (const EdgeUse& use : boundary.uses) curves_.emplace_back(use.curve.curve);
   place_.resize(boundary.uses.size());
   anchors_.resize(boundary.uses.size());
   for (const BoundaryEdge& edge : boundary.edges)
@@ -97,24 +73,48 @@ EdgeNet::EdgeNet(const Part& part, const Boundary& boundary, const std::vector<F
   }
   for (std::size_t v = 0; v < points_.size(); ++v) points_[v] /= std::max(1, ends[v]);
 
+  // Edges know nothing of each other; their points are numbered in their order.
   edges_.resize(boundary.edges.size());
-  for (std::size_t e = 0; e < boundary.edges.size(); ++e) preferred_.push_back(preferred_splits(static_cast<int>(e)));
-  for (std::size_t e = 0; e < boundary.edges.size(); ++e) sample(static_cast<int>(e));
+  preferred_.resize(boundary.edges.size());
+  std::vector<Sampling> samplings(boundary.edges.size());
+  tbb::parallel_for(std::size_t{0}, edges_.size(), [&](std::size_t e) {
+    preferred_[e] = preferred_splits(static_cast<int>(e));
+    samplings[e] = sampled(static_cast<int>(e));
+  });
+  for (std::size_t e = 0; e < edges_.size(); ++e) {
+    unresolved_ += samplings[e].unresolved;
+    put_samples(static_cast<int>(e), samplings[e].samples);
+  }
 }
 
 Point3 EdgeNet::place(int use, const UV& uv) const {
-  return point(part_->faces[static_cast<std::size_t>(boundary_->uses[static_cast<std::size_t>(use)].face)].surface, uv);
+  return (*shapes_)[static_cast<std::size_t>(boundary_->uses[static_cast<std::size_t>(use)].face)].eval().point(uv);
 }
 
-UV EdgeNet::uv_on(int use, double share) const {
+EdgeNet::OnUse EdgeNet::on_use(int use, double own) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
-  UV uv = uv_at(u, share_on(use, share));
-  // What is meant to be on a crease is on it.
   const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
+  OnUse on;
+  on.own = own;
+  const UV uv = on.uv = curves_[static_cast<std::size_t>(use)].at(parameter_at(u, own));
+  // What is meant to be on a crease is on it.
   for (int axis = 0; axis < 2; ++axis)
     for (const double crease : axis == 0 ? shape.bend().creases_u() : shape.bend().creases_v())
-      if (std::abs(uv[axis] - crease) <= kOnCrease * shape.face().domain.size()[axis]) uv[axis] = crease;
-  return uv;
+      if (std::abs(uv[axis] - crease) <= kOnCrease * shape.face().domain.size()[axis]) on.uv[axis] = crease;
+  on.moved = glm::abs(on.uv - uv);
+  const TangentJet at = shape.eval().at(on.uv);
+  const FaceShape::Placed placed = shape.place(on.uv, at);
+  on.S = placed.S;
+  on.normal = placed.normal;
+  on.speed = {glm::length(at.Su), glm::length(at.Sv)};
+  return on;
+}
+
+EdgeNet::Sample EdgeNet::sample_at(int e, double share) const {
+  Sample sample;
+  sample.share = share;
+  for (int use : boundary_->edges[static_cast<std::size_t>(e)].uses) sample.on.push_back(on_use(use, share_on(use, share)));
+  return sample;
 }
 
 // The use's own share at a share of the edge.
@@ -172,51 +172,64 @@ std::vector<double> EdgeNet::preferred_splits(int e) {
   return kept;
 }
 
-SegmentError EdgeNet::error_of(int use, double a, double b) const {
+SegmentError EdgeNet::error_of(int use, const OnUse& a, const OnUse& b) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
   const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
-  const UV uva = uv_on(use, a), uvb = uv_on(use, b);
-  const FaceShape::Placed A = shape.place(uva), B = shape.place(uvb);
   SegmentError error;
-  error.surface = shape.segment_bound({uva, A.S}, {uvb, B.S});
+  if (std::holds_alternative<Plane>(shape.face().surface) && std::holds_alternative<Line<Vec2>>(u.curve.curve)) return error;
+  error.surface = shape.segment_bound({a.uv, a.S}, {b.uv, b.S});
+  const BendTree::Place around = shape.bend().place_of({glm::min(a.uv, b.uv), glm::max(a.uv, b.uv)});
+  // How far the curve strays from its chord over a short piece: in (u, v) from the straight line, and over that line by the second
+  // derivatives and the jumps of the first.
+  const auto stray = [&](const OnUse& from, const OnUse& to) {
+    const BoxBend bend = shape.bend().over({glm::min(from.uv, to.uv), glm::max(from.uv, to.uv)}, around);
+    const Vec2 d = glm::abs(to.uv - from.uv);
+    const Vec2 speed(from.speed.x + times(bend.Muu, d.x) + times(bend.Muv, d.y) + bend.kink_u,
+                     from.speed.y + times(bend.Muv, d.x) + times(bend.Mvv, d.y) + bend.kink_v);
+    return curves_[static_cast<std::size_t>(use)].sliver(parameter_at(u, from.own), parameter_at(u, to.own), from.uv, to.uv,
+                                                         glm::max(from.moved, to.moved), speed) +
+           (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, d.x * d.y) + times(bend.Mvv, d.y * d.y)) / 8 +
+           (times(bend.kink_u, d.x) + times(bend.kink_v, d.y)) / 4;
+  };
   // The curve is compared with the chord at some places; between them it strays from its own short chords by little.
-  UV from_uv = uva;
-  Offset from;
+  OnUse from = a;
+  Offset from_chord;
   for (int i = 1; i <= kPieces; ++i) {
-    const double s0 = a + (b - a) * (i - 1) / kPieces, s1 = i == kPieces ? b : a + (b - a) * i / kPieces;
-    const UV to_uv = i == kPieces ? uvb : uv_on(use, s1);
-    const Offset to = i == kPieces ? Offset{} : offset_from_segment(shape.place(to_uv), A.S, B.S);
-    const double between =
-        stray_of(shape, u.curve.curve, parameter_at(u, share_on(use, s0)), parameter_at(u, share_on(use, s1)), from_uv, to_uv);
-    error.chord = std::max(error.chord, std::max(from.all, to.all) + between);
-    error.sliver = std::max(error.sliver, std::max(from.along_surface, to.along_surface) + between);
-    from_uv = to_uv;
+    const OnUse to = i == kPieces ? b : on_use(use, a.own + (b.own - a.own) * i / kPieces);
+    const Offset to_chord = i == kPieces ? Offset{} : offset_from_segment(to, a.S, b.S);
+    const double between = stray(from, to);
+    error.chord = std::max(error.chord, std::max(from_chord.all, to_chord.all) + between);
+    error.sliver = std::max(error.sliver, std::max(from_chord.along_surface, to_chord.along_surface) + between);
     from = to;
+    from_chord = to_chord;
   }
   return error;
 }
 
-bool EdgeNet::turns_too_far(int use, double a, double b) const {
+bool EdgeNet::turns_too_far(int use, const OnUse& a, const OnUse& b) const {
   if (!(policy_.turn < kPi)) return false;
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
   const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
-  const auto tangent = [&](double s) {
-    const auto c = jet(u.curve.curve, parameter_at(u, s));
-    const Jet2 at = jet2(shape.face().surface, c.C);
+  const auto tangent = [&](double own) {
+    const auto c = jet(u.curve.curve, parameter_at(u, own));
+    const TangentJet at = shape.eval().at(c.C);
     return at.Su * c.Ct.x + at.Sv * c.Ct.y;
   };
   const auto angle = [](const Vec3& x, const Vec3& y) { return std::atan2(glm::length(glm::cross(x, y)), glm::dot(x, y)); };
-  if (angle(shape.place(uv_on(use, a)).normal, shape.place(uv_on(use, b)).normal) > policy_.turn) return true;
-  return u.shares_parameter && angle(tangent(a), tangent(b)) > policy_.turn;
+  if (angle(a.normal, b.normal) > policy_.turn) return true;
+  return u.shares_parameter && angle(tangent(a.own), tangent(b.own)) > policy_.turn;
 }
 
-// The largest error of a segment as a multiple of what is allowed.
-double EdgeNet::excess(int e, double a, double b) const {
+// The largest error of a segment as a multiple of what is allowed; notes the slivers in its end.
+double EdgeNet::excess(int e, const Sample& a, Sample& b) const {
   double worst = 0;
-  for (int use : boundary_->edges[static_cast<std::size_t>(e)].uses) {
-    const SegmentError error = error_of(use, a, b);
+  const auto& uses = boundary_->edges[static_cast<std::size_t>(e)].uses;
+  b.sliver.assign(uses.size(), 0.0f);
+  for (std::size_t k = 0; k < uses.size(); ++k) {
+    const SegmentError error = error_of(uses[k], a.on[k], b.on[k]);
+    b.sliver[k] = static_cast<float>(error.sliver);
     worst = std::max({worst, error.chord / policy_.chord, (error.sliver + error.surface) / policy_.surface});
-    if (worst <= 1 && turns_too_far(use, a, b)) worst = 2;
+    if (worst <= 1 && turns_too_far(uses[k], a.on[k], b.on[k])) worst = 2;
   }
   return worst;
 }
@@ -229,56 +242,58 @@ double EdgeNet::split_at(int e, double a, double b) const {
   return best;
 }
 
-void EdgeNet::sample(int e) {
+EdgeNet::Sampling EdgeNet::sampled(int e) const {
   const BoundaryEdge& edge = boundary_->edges[static_cast<std::size_t>(e)];
-  std::vector<double> shares{0.0};
-  std::vector<double> stack{1.0};  // ends of segments still to do, the nearest on top
+  Sampling result;
+  result.samples.push_back(sample_at(e, 0));
+  std::vector<Sample> stack{sample_at(e, 1)};  // ends of segments still to do, the nearest on top
   // A closed edge must not collapse to a point or to a segment run through twice.
-  if (!edge.degenerate && edge.vertex[0] == edge.vertex[1]) stack = {1.0, 2.0 / 3, 1.0 / 3};
+  if (!edge.degenerate && edge.vertex[0] == edge.vertex[1])
+    for (const double share : {2.0 / 3, 1.0 / 3}) stack.push_back(sample_at(e, share));
   while (!stack.empty()) {
-    const double a = shares.back(), b = stack.back();
-    const double over = edge.degenerate ? 0.0 : excess(e, a, b);
+    const Sample& last = result.samples.back();
+    const double a = last.share, b = stack.back().share;
+    const double over = edge.degenerate ? 0.0 : excess(e, last, stack.back());
     if (over <= 1 || b - a < kLeastShare) {
-      unresolved_ += over > 1;
-      shares.push_back(b);
+      result.unresolved += over > 1;
+      result.samples.push_back(std::move(stack.back()));
       stack.pop_back();
       continue;
     }
     const double at = split_at(e, a, b);
     const int parts = over < kTrustedRatio && at == 0.5 * (a + b) ? static_cast<int>(std::ceil(std::sqrt(over))) : 2;
     if (parts == 2) {
-      stack.push_back(at);
+      stack.push_back(sample_at(e, at));
     } else {
-      for (int k = parts - 1; k >= 1; --k) stack.push_back(a + (b - a) * k / parts);
+      for (int k = parts - 1; k >= 1; --k) stack.push_back(sample_at(e, a + (b - a) * k / parts));
     }
   }
-  put_samples(e, std::move(shares));
+  return result;
 }
 
-void EdgeNet::put_samples(int e, std::vector<double> shares) {
+// Where its uses place it, in the mean.
+Point3 EdgeNet::middle_of(const Sample& sample) const {
+  Point3 sum(0.0);
+  for (const OnUse& on : sample.on) sum += on.S;
+  return sum / static_cast<double>(sample.on.size());
+}
+
+void EdgeNet::put_samples(int e, const std::vector<Sample>& samples) {
   const BoundaryEdge& edge = boundary_->edges[static_cast<std::size_t>(e)];
-  SampledEdge& sampled = edges_[static_cast<std::size_t>(e)];
-  sampled.share = std::move(shares);
-  sampled.uv.assign(edge.uses.size(), {});
-  sampled.sliver.assign(edge.uses.size(), {});
-  for (std::size_t k = 0; k < edge.uses.size(); ++k) {
-    for (double s : sampled.share) sampled.uv[k].push_back(uv_on(edge.uses[k], s));
-    for (std::size_t i = 0; i + 1 < sampled.share.size(); ++i)
-      sampled.sliver[k].push_back(
-          static_cast<float>(edge.degenerate ? 0 : error_of(edge.uses[k], sampled.share[i], sampled.share[i + 1]).sliver));
-  }
-  sampled.point.assign(sampled.share.size(), 0);
-  sampled.point.front() = static_cast<std::uint32_t>(edge.vertex[0]);
-  sampled.point.back() = static_cast<std::uint32_t>(edge.vertex[1]);
-  for (std::size_t i = 1; i + 1 < sampled.share.size(); ++i) {
-    if (edge.degenerate) {
-      sampled.point[i] = sampled.point.front();
-      continue;
+  SampledEdge& put = edges_[static_cast<std::size_t>(e)];
+  put.uv.assign(edge.uses.size(), {});
+  put.sliver.assign(edge.uses.size(), {});
+  for (const Sample& sample : samples) {
+    put.share.push_back(sample.share);
+    for (std::size_t k = 0; k < edge.uses.size(); ++k) {
+      put.uv[k].push_back(sample.on[k].uv);
+      if (put.share.size() > 1) put.sliver[k].push_back(edge.degenerate ? 0.0f : sample.sliver[k]);
     }
-    Point3 middle(0.0);
-    for (std::size_t k = 0; k < edge.uses.size(); ++k) middle += place(edge.uses[k], sampled.uv[k][i]);
-    sampled.point[i] = point_at(middle / static_cast<double>(edge.uses.size()), sampled.point[i - 1], sampled.point.back());
   }
+  put.point.assign(samples.size(), static_cast<std::uint32_t>(edge.vertex[0]));
+  put.point.back() = static_cast<std::uint32_t>(edge.vertex[1]);
+  if (edge.degenerate) return;
+  for (std::size_t i = 1; i + 1 < samples.size(); ++i) put.point[i] = point_at(middle_of(samples[i]), put.point[i - 1], put.point.back());
 }
 
 // A new point, unless one of its neighbours is there already: an edge may be a point in space along a part of its length.
@@ -291,27 +306,26 @@ std::uint32_t EdgeNet::point_at(const Point3& p, std::uint32_t before, std::uint
 
 bool EdgeNet::split(int e, std::size_t segment) {
   const BoundaryEdge& edge = boundary_->edges[static_cast<std::size_t>(e)];
-  SampledEdge& sampled = edges_[static_cast<std::size_t>(e)];
-  const double a = sampled.share[segment], b = sampled.share[segment + 1];
+  SampledEdge& put = edges_[static_cast<std::size_t>(e)];
+  const double a = put.share[segment], b = put.share[segment + 1];
   if (b - a < kLeastShare) return false;
-  const double at = split_at(e, a, b);
-  Point3 middle(0.0);
-  const auto where = static_cast<std::ptrdiff_t>(segment) + 1;
-  sampled.share.insert(sampled.share.begin() + where, at);
-  for (std::size_t k = 0; k < edge.uses.size(); ++k) {
-    const UV uv = uv_on(edge.uses[k], at);
-    middle += place(edge.uses[k], uv);
-    sampled.uv[k].insert(sampled.uv[k].begin() + where, uv);
-    const auto sliver = [&](double from, double to) {
-      return static_cast<float>(edge.degenerate ? 0 : error_of(edge.uses[k], from, to).sliver);
-    };
-    sampled.sliver[k][segment] = sliver(a, at);
-    sampled.sliver[k].insert(sampled.sliver[k].begin() + where, sliver(at, b));
+  Sample middle = sample_at(e, split_at(e, a, b)), end = sample_at(e, b);
+  middle.sliver.assign(edge.uses.size(), 0.0f);
+  end.sliver = middle.sliver;
+  if (!edge.degenerate) {
+    excess(e, sample_at(e, a), middle);
+    excess(e, middle, end);
   }
-  std::uint32_t point = sampled.point[segment];
-  if (!edge.degenerate)
-    point = point_at(middle / static_cast<double>(edge.uses.size()), sampled.point[segment], sampled.point[segment + 1]);
-  sampled.point.insert(sampled.point.begin() + where, point);
+  const auto where = static_cast<std::ptrdiff_t>(segment) + 1;
+  put.share.insert(put.share.begin() + where, middle.share);
+  for (std::size_t k = 0; k < edge.uses.size(); ++k) {
+    put.uv[k].insert(put.uv[k].begin() + where, middle.on[k].uv);
+    put.sliver[k][segment] = middle.sliver[k];
+    put.sliver[k].insert(put.sliver[k].begin() + where, end.sliver[k]);
+  }
+  std::uint32_t point = put.point[segment];
+  if (!edge.degenerate) point = point_at(middle_of(middle), put.point[segment], put.point[segment + 1]);
+  put.point.insert(put.point.begin() + where, point);
   return true;
 }
 

@@ -8,6 +8,7 @@
 
 #include "tess/boundary.h"
 #include "tess/face_shape.h"
+#include "tess/trim_eval.h"
 
 namespace iso {
 
@@ -47,16 +48,37 @@ class EdgeNet {
   int unresolved() const { return unresolved_; }
 
  private:
-  UV uv_on(int use, double share) const;
+  // A place on an edge as one of its uses has it.
+  struct OnUse {
+    double own = 0;    // share of the use
+    UV uv{0.0};        // on a crease where it is meant to be
+    Vec2 moved{0.0};   // by which that moved it, magnitudes
+    Vec2 speed{0.0};   // world units per parameter unit
+    Point3 S{0.0};     // of the use's surface
+    Vec3 normal{0.0};  // of that
+  };
+  // A place on an edge, as all its uses have it.
+  struct Sample {
+    double share = 0;
+    std::vector<OnUse> on;
+    std::vector<float> sliver;  // of each use, of the segment that ends here
+  };
+  struct Sampling {
+    std::vector<Sample> samples;
+    int unresolved = 0;
+  };
+
+  OnUse on_use(int use, double own) const;
   double share_on(int use, double share) const;
+  Sample sample_at(int edge, double share) const;
   Point3 place(int use, const UV& uv) const;
-  SegmentError error_of(int use, double a, double b) const;
-  double excess(int edge, double a, double b) const;
-  bool turns_too_far(int use, double a, double b) const;
-  void sample(int edge);
-  void place_points(int edge);
+  SegmentError error_of(int use, const OnUse& a, const OnUse& b) const;
+  double excess(int edge, const Sample& a, Sample& b) const;
+  bool turns_too_far(int use, const OnUse& a, const OnUse& b) const;
+  Sampling sampled(int edge) const;
+  Point3 middle_of(const Sample& sample) const;
   std::uint32_t point_at(const Point3& p, std::uint32_t before, std::uint32_t after);
-  void put_samples(int edge, std::vector<double> shares);
+  void put_samples(int edge, const std::vector<Sample>& samples);
   double split_at(int edge, double a, double b) const;
   std::vector<double> preferred_splits(int edge);
 
@@ -64,6 +86,7 @@ class EdgeNet {
   const Boundary* boundary_;
   const std::vector<FaceShape>* shapes_;
   EdgePolicy policy_;
+  std::vector<TrimEval> curves_;  // of each use
   std::vector<SampledEdge> edges_;
   std::vector<int> place_;
   std::vector<std::vector<std::pair<double, double>>> anchors_;  // of each use: shares of the edge and of the use that are one place

@@ -156,16 +156,7 @@ double FaceShape::segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) 
   return triangle_bound(a, b, b);
 }
 
-Vec2 FaceShape::speed(const Box2& uv) const {
-  const TangentJet at = eval_.at(uv.middle());
-  const BoxBend bend = bend_.over(uv);
-  const Vec2 half = 0.5 * uv.size();
-  return {glm::length(at.Su) + bend.Muu * half.x + bend.Muv * half.y + bend.kink_u,
-          glm::length(at.Sv) + bend.Muv * half.x + bend.Mvv * half.y + bend.kink_v};
-}
-
-FaceShape::Placed FaceShape::place(UV uv) const {
-  const TangentJet at = eval_.at(uv);
+FaceShape::Placed FaceShape::place(UV uv, const TangentJet& at) const {
   const Vec3 cross = glm::cross(at.Su, at.Sv);
   const double area = glm::length(cross);
   // Near a pole the limit from inside decides.

@@ -47,15 +47,13 @@ class FaceShape {
   // The same of the segment between two corners and the surface's curve over the straight line between them in (u, v).
   double segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const;
 
-  // World units per parameter unit, at most, over a box.
-  Vec2 speed(const Box2& uv) const;
-
   // The place and the unit outward normal at (u, v); `normal` is zero where there is none.
   struct Placed {
     Point3 S;
     Vec3 normal;
   };
-  Placed place(UV uv) const;
+  Placed place(UV uv) const { return place(uv, eval_.at(uv)); }
+  Placed place(UV uv, const TangentJet& at) const;
 
  private:
   const Face* face_;
