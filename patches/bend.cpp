@@ -10,13 +10,13 @@ namespace iso {
 
 namespace {
 
-// A cell is done when the spread of an entry is this share of its largest magnitude (on models of all kinds 0.2 makes 1.5 to 2 times the
-// cells), ...
-constexpr double kSpread = 0.3;
+// A cell is done when the spread of an entry is this share of its largest magnitude (0.3, with half of kFlat, makes 1.5 to 2.3 times the
+// cells and no fewer triangles: dividing a triangle is cheaper than dividing a cell), ...
+constexpr double kSpread = 0.5;
 // ... or when it moves a point by less than this share of what the largest entry does over the cell; ...
 constexpr double kNegligible = 0.1;
 // ... or when all that the cell bends is this share of the tolerance: triangles are larger.
-constexpr double kFlat = 0.25;
+constexpr double kFlat = 0.5;
 // Tangents turn by no more than an angle of this tangent about their middle: bounds of curvatures would be loose.
 constexpr double kMostTurn = 0.3;
 // The tolerance if none is given, as a share of the surface's size.
