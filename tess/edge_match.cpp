@@ -51,19 +51,20 @@ std::optional<EdgeMatch> match_evenly(const EdgePiece& first, const EdgePiece& s
   return result;
 }
 
-std::optional<EdgeMatch> match_nearest(const EdgePiece& first, const EdgePiece& second, double tolerance) {
+std::optional<EdgeMatch> match_nearest(const EdgePiece& first, const EdgePiece& second, const MatchPolicy& policy) {
   EdgeMatch result;
+  const double widest = std::max(policy.ends, policy.between);
   result.shares.push_back(0);
   result.apart = std::max(glm::length(first.at.front() - second.at.front()), glm::length(first.at.back() - second.at.back()));
   double evenly = result.apart;
   for (int i = 1; i < kTraced; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double expected = first.along[k] / first.length();
-    const NearPlace near = nearest_place(second, first.at[k], 2 * tolerance, expected - kWindow, expected + kWindow);
+    const NearPlace near = nearest_place(second, first.at[k], 2 * widest, expected - kWindow, expected + kWindow);
     const bool at_end = near.share <= 0 || near.share >= 1;
-    if (!(near.distance <= (at_end ? 2 * tolerance : tolerance))) return std::nullopt;
+    if (!(near.distance <= (at_end ? 2 * policy.ends : policy.between))) return std::nullopt;
     if (at_end || near.share <= result.shares.back())  // they do not follow one another
-      return first.length() <= kShort * tolerance ? match_evenly(first, second, tolerance) : std::nullopt;
+      return first.length() <= kShort * policy.ends ? match_evenly(first, second, policy.ends) : std::nullopt;
     result.shares.push_back(near.share);
     result.apart = std::max(result.apart, near.distance);
     evenly = std::max(evenly, glm::length(first.at[k] - second.at[k]));
@@ -113,17 +114,17 @@ NearPlace nearest_place(const EdgePiece& piece, const Point3& p, double within, 
   return result;
 }
 
-std::optional<EdgeMatch> match(const EdgePiece& first, const EdgePiece& second, double tolerance) {
-  if (std::abs(first.length() - second.length()) > kLengthDiffers * std::max(first.length(), second.length()) + 4 * tolerance)
+std::optional<EdgeMatch> match(const EdgePiece& first, const EdgePiece& second, const MatchPolicy& policy) {
+  if (std::abs(first.length() - second.length()) > kLengthDiffers * std::max(first.length(), second.length()) + 4 * policy.ends)
     return std::nullopt;
-  if (first.length() < kTooShort * tolerance) return std::nullopt;
+  if (first.length() < kTooShort * policy.ends) return std::nullopt;
   std::optional<EdgeMatch> best;
   for (const bool reversed : {false, true}) {
     const Point3 &from = reversed ? second.at.back() : second.at.front(), &to = reversed ? second.at.front() : second.at.back();
-    if (glm::length(first.at.front() - from) > 2 * tolerance || glm::length(first.at.back() - to) > 2 * tolerance) continue;
+    if (glm::length(first.at.front() - from) > 2 * policy.ends || glm::length(first.at.back() - to) > 2 * policy.ends) continue;
     const EdgePiece other = directed(second, reversed);
-    if (first.face == second.face && encloses_sliver(first, other.use, tolerance)) continue;
-    auto found = match_nearest(first, other, tolerance);
+    if (first.face == second.face && encloses_sliver(first, other.use, policy.between)) continue;
+    auto found = match_nearest(first, other, policy);
     if (!found || (best && best->apart <= found->apart)) continue;
     found->reversed = reversed;
     best = std::move(found);
