@@ -9,11 +9,11 @@ namespace {
 // A segment is not split below this share of its edge.
 constexpr double kLeastShare = 1e-7;
 
-// The curve of one use may run ahead of or behind that of another by this share of the edge.
-constexpr double kWithin = 0.25;
-
 // Nearer than this share of the domain's width to a crease is on it.
 constexpr double kOnCrease = 1e-9;
+
+// Nearer to each other than this share of the tolerance are samples that are one point.
+constexpr double kOnePoint = 1e-6;
 
 // Pieces into which a segment is cut to bound its distance from the curve.
 constexpr int kPieces = 4;
@@ -52,14 +52,14 @@ double sliver_of(const Curve2& curve, double t0, double t1, const UV& a, const U
 
 // How far the curve of a use strays from its chord over a short piece: in (u, v) from the straight line, and over that line by the second
 // derivatives and the jumps of the first.
-double stray_of(const FaceShape& shape, const EdgeUse& use, double s0, double s1, const UV& from, const UV& to) {
+double stray_of(const FaceShape& shape, const Curve2& curve, double t0, double t1, const UV& from, const UV& to) {
   Box2 box;
   box.include(from);
   box.include(to);
   const BoxBend bend = shape.bend().over(box);
   const Vec2 d = glm::abs(to - from);
   const auto times = [](double m, double by) { return by == 0 ? 0.0 : m * by; };
-  return sliver_of(use.curve.curve, parameter_at(use, s0), parameter_at(use, s1), from, to, shape.speed(box)) +
+  return sliver_of(curve, t0, t1, from, to, shape.speed(box)) +
          (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, d.x * d.y) + times(bend.Mvv, d.y * d.y)) / 8 +
          (times(bend.kink_u, d.x) + times(bend.kink_v, d.y)) / 4;
 }
@@ -108,7 +108,7 @@ Point3 EdgeNet::place(int use, const UV& uv) const {
 
 UV EdgeNet::uv_on(int use, double share) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
-  UV uv = matched_uv(use, share);
+  UV uv = uv_at(u, share_on(use, share));
   // What is meant to be on a crease is on it.
   const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
   for (int axis = 0; axis < 2; ++axis)
@@ -117,15 +117,16 @@ UV EdgeNet::uv_on(int use, double share) const {
   return uv;
 }
 
-UV EdgeNet::matched_uv(int use, double share) const {
+// The use's own share at a share of the edge.
+double EdgeNet::share_on(int use, double share) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
-  if (u.shares_parameter || share == 0 || share == 1) return uv_at(u, share);
+  if (u.shares_parameter || share == 0 || share == 1) return share;
   for (const auto& [of_edge, own] : anchors_[static_cast<std::size_t>(use)])
-    if (share == of_edge) return uv_at(u, own);
+    if (share == of_edge) return own;
   // Matched to the edge's first use by distance.
   const int first = boundary_->edges[static_cast<std::size_t>(u.edge)].uses[0];
-  const Point3 p = place(first, matched_uv(first, share));
-  return uv_at(u, nearest_share(part_->faces[static_cast<std::size_t>(u.face)], u, p, share, kWithin));
+  const Point3 p = place(first, uv_at(boundary_->uses[static_cast<std::size_t>(first)], share));
+  return own_share(part_->faces[static_cast<std::size_t>(u.face)], u, p, share);
 }
 
 std::vector<double> EdgeNet::preferred_splits(int e) {
@@ -138,7 +139,7 @@ std::vector<double> EdgeNet::preferred_splits(int e) {
     const auto shared = [&](double s) {
       if (u.shares_parameter) return s;
       const EdgeUse& first = boundary_->uses[static_cast<std::size_t>(boundary_->edges[static_cast<std::size_t>(e)].uses[0])];
-      const double of_edge = nearest_share(part_->faces[static_cast<std::size_t>(first.face)], first, place(use, uv_at(u, s)), s, kWithin);
+      const double of_edge = first_share(part_->faces[static_cast<std::size_t>(first.face)], first, u, place(use, uv_at(u, s)), s);
       anchors_[static_cast<std::size_t>(use)].push_back({of_edge, s});
       return of_edge;
     };
@@ -185,7 +186,8 @@ SegmentError EdgeNet::error_of(int use, double a, double b) const {
     const double s0 = a + (b - a) * (i - 1) / kPieces, s1 = i == kPieces ? b : a + (b - a) * i / kPieces;
     const UV to_uv = i == kPieces ? uvb : uv_on(use, s1);
     const Offset to = i == kPieces ? Offset{} : offset_from_segment(shape.place(to_uv), A.S, B.S);
-    const double between = stray_of(shape, u, s0, s1, from_uv, to_uv);
+    const double between =
+        stray_of(shape, u.curve.curve, parameter_at(u, share_on(use, s0)), parameter_at(u, share_on(use, s1)), from_uv, to_uv);
     error.chord = std::max(error.chord, std::max(from.all, to.all) + between);
     error.sliver = std::max(error.sliver, std::max(from.along_surface, to.along_surface) + between);
     from_uv = to_uv;
@@ -275,9 +277,16 @@ void EdgeNet::put_samples(int e, std::vector<double> shares) {
     }
     Point3 middle(0.0);
     for (std::size_t k = 0; k < edge.uses.size(); ++k) middle += place(edge.uses[k], sampled.uv[k][i]);
-    sampled.point[i] = static_cast<std::uint32_t>(points_.size());
-    points_.push_back(middle / static_cast<double>(edge.uses.size()));
+    sampled.point[i] = point_at(middle / static_cast<double>(edge.uses.size()), sampled.point[i - 1], sampled.point.back());
   }
+}
+
+// A new point, unless one of its neighbours is there already: an edge may be a point in space along a part of its length.
+std::uint32_t EdgeNet::point_at(const Point3& p, std::uint32_t before, std::uint32_t after) {
+  for (const std::uint32_t old : {before, after})
+    if (glm::length(points_[old] - p) <= kOnePoint * policy_.chord) return old;
+  points_.push_back(p);
+  return static_cast<std::uint32_t>(points_.size() - 1);
 }
 
 bool EdgeNet::split(int e, std::size_t segment) {
@@ -300,10 +309,8 @@ bool EdgeNet::split(int e, std::size_t segment) {
     sampled.sliver[k].insert(sampled.sliver[k].begin() + where, sliver(at, b));
   }
   std::uint32_t point = sampled.point[segment];
-  if (!edge.degenerate) {
-    point = static_cast<std::uint32_t>(points_.size());
-    points_.push_back(middle / static_cast<double>(edge.uses.size()));
-  }
+  if (!edge.degenerate)
+    point = point_at(middle / static_cast<double>(edge.uses.size()), sampled.point[segment], sampled.point[segment + 1]);
   sampled.point.insert(sampled.point.begin() + where, point);
   return true;
 }

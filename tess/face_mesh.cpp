@@ -26,7 +26,7 @@ constexpr double kManyCells = 2.0;
 constexpr double kOnCrease = 1e-12;
 
 // Segments of the border that cross others are not split below this share of the tolerance.
-constexpr double kLeastSegment = 1e-3;
+constexpr double kLeastSegment = 0.02;
 
 // Triangles smaller than this share of the tolerance are not divided further.
 constexpr double kLeastSize = 0.05;
@@ -133,7 +133,7 @@ class FaceMesher {
 
   // Asks for a finer segment, unless it is so short already that this would not help.
   bool ask_for(const BorderSegment& segment, std::uint32_t a, std::uint32_t b) {
-    if (glm::length(placed(a) - placed(b)) < kLeastSegment * policy_.distance) return false;
+    if (policy_.borders_are_final || glm::length(placed(a) - placed(b)) < kLeastSegment * policy_.distance) return false;
     mesh_.to_split.push_back(segment.at);
     return true;
   }
@@ -314,7 +314,7 @@ class FaceMesher {
       for (std::uint32_t changed : triangulation_->changed())
         if (triangulation_->triangles()[changed].inside) work.push_back(changed);
     }
-    if (mesh_.to_split.empty()) ask_for_borders(left);
+    if (mesh_.to_split.empty() && !policy_.borders_are_final) ask_for_borders(left);
   }
 
   // Whether the surface's normal turns by more than a right angle along a side on the border: only a finer border helps.
@@ -374,6 +374,7 @@ class FaceMesher {
     } else {
       const std::uint32_t a = t.v[static_cast<std::size_t>((best + 1) % 3)], b = t.v[static_cast<std::size_t>((best + 2) % 3)];
       if (is_border(t, best) && folded) return false;  // only a finer border helps
+      if (is_border(t, best) && policy_.borders_are_final) return false;
       if (is_border(t, best)) {
         mesh_.to_split.push_back(border_.at(key_of(a, b)).at);
         return false;

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "tess/face_mesh.h"
+#include "tess/orient.h"
 
 namespace iso {
 
@@ -18,14 +19,14 @@ namespace {
 constexpr double kEdgeShare = 0.8;
 
 // Rounds after which what still touches or crosses is left as it is.
-constexpr int kMostRounds = 24;
+constexpr int kMostRounds = 16;
 
 using Side = std::uint64_t;  // two points
 Side side_of(std::uint32_t a, std::uint32_t b) { return (static_cast<Side>(std::min(a, b)) << 32) | std::max(a, b); }
 
 class PartMesher {
  public:
-  PartMesher(const Part& part, const TessellationOptions& options) : part_(part), options_(options), boundary_(part) {
+  PartMesher(const Part& part, const TessellationOptions& options) : part_(part), options_(options), boundary_(part, options.sew) {
     std::vector<std::optional<FaceShape>> shapes(part.faces.size());
     tbb::parallel_for(std::size_t{0}, shapes.size(), [&](std::size_t f) { shapes[f].emplace(part.faces[f], options.distance); });
     shapes_.reserve(shapes.size());
@@ -47,14 +48,16 @@ class PartMesher {
       dirty = split_wanted();
       if (dirty.empty()) dirty = part_touching();
     }
+    // What still asks for finer edges after so many rounds has loops that lie on each other: it is meshed as it is, and says so.
+    if (!dirty.empty()) mesh_faces({dirty.begin(), dirty.end()}, true);
     PartTessellation result = assembled();
     result.rounds = round;
     return result;
   }
 
  private:
-  void mesh_faces(const std::vector<int>& which) {
-    const FacePolicy policy{options_.distance, options_.angle};
+  void mesh_faces(const std::vector<int>& which, bool borders_are_final = false) {
+    const FacePolicy policy{options_.distance, options_.angle, borders_are_final};
     tbb::parallel_for(std::size_t{0}, which.size(), [&](std::size_t i) {
       const auto f = static_cast<std::size_t>(which[i]);
       faces_[f] = mesh_face(shapes_[f], boundary_.loops[f], boundary_, *net_, policy, extra_[f]);
@@ -153,6 +156,7 @@ class PartMesher {
   PartTessellation assembled() {
     PartTessellation result;
     result.unresolved_edges = net_->unresolved();
+    result.joins = std::move(boundary_.joins);
     PartMesh& mesh = result.mesh;
     std::vector<std::uint32_t> number(net_->points().size(), 0xffffffffu);  // of the net's points, those that are used
     for (std::size_t f = 0; f < faces_.size(); ++f) {
@@ -180,12 +184,35 @@ class PartMesher {
       result.faces.push_back(report_of(face));
       face = {};
     }
+    add_free_sides(number, result.free_sides);
+    const Orientation orientation = orient(mesh);
+    turn(mesh, orientation.turned);
+    for (std::size_t f = 0; f < result.faces.size(); ++f) result.faces[f].turned = orientation.turned[f];
+    result.one_sided = orientation.conflicts;
     return result;
   }
 
+  void add_free_sides(const std::vector<std::uint32_t>& number, std::vector<std::array<std::uint32_t, 2>>& sides) const {
+    for (std::size_t e = 0; e < boundary_.edges.size(); ++e) {
+      if (boundary_.edges[e].degenerate || boundary_.edges[e].uses.size() != 1) continue;
+      const auto& points = net_->edge(static_cast<int>(e)).point;
+      for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        const std::uint32_t a = number[points[i]], b = number[points[i + 1]];
+        sides.push_back({std::min(a, b), std::max(a, b)});
+      }
+    }
+    std::sort(sides.begin(), sides.end());
+  }
+
   static FaceReport report_of(const FaceMesh& face) {
-    FaceReport report{face.bound,     face.offset, static_cast<int>(face.triangles.size()), face.unresolved, face.collapsed, face.folded,
-                      face.crossings, {}};
+    FaceReport report;
+    report.bound = face.bound;
+    report.offset = face.offset;
+    report.triangles = static_cast<int>(face.triangles.size());
+    report.unresolved = face.unresolved;
+    report.collapsed = face.collapsed;
+    report.folded = face.folded;
+    report.crossings = face.crossings;
     if (face.triangles.empty())
       report.failure = face.nodes.size() < 3 ? "its loops have less than three points" : "its loops enclose nothing";
     return report;
