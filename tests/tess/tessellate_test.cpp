@@ -65,7 +65,7 @@ int points_at_height(const SolidPart& s, const PartMesh& mesh, std::size_t plane
 
 TEST(Tessellate, ACircleTakesAsManySegmentsAsItsSagittaAsksFor) {
   constexpr double kOfEdges = 0.8;  // edges may use this share of the tolerance
-  constexpr double kMore = 1.2;  // what the proof adds to the sagitta, and steps: measured 1.19
+  constexpr double kMore = 1.2;     // what the proof adds to the sagitta, and steps: measured 1.19
   constexpr int kSteps = 3;         // a closed edge is cut in three at first
   for (const MakeSolid make : {solid_cylinder, solid_cone})
     for (const double share : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5}) {
