@@ -18,8 +18,11 @@ constexpr double kOnePoint = 1e-6;
 // Pieces into which a segment is cut to bound its distance from the curve.
 constexpr int kPieces = 4;
 
-// How many segments are tried at once where the error's square law is trusted.
-constexpr double kTrustedRatio = 16;
+// Errors of more than this many times what is allowed say too little of how many segments are needed.
+constexpr double kTrustedRatio = 1e4;
+
+// Segments of equal length are kept if the least error among them is at least this share of the largest.
+constexpr double kEven = 0.5;
 
 // How far a point of a curve is from a chord, in all and along the surface that the curve lies on.
 struct Offset {
@@ -33,20 +36,35 @@ Offset offset_from_segment(const FaceShape::Placed& p, const Point3& a, const Po
   return {glm::length(r), glm::length(r - glm::dot(r, p.normal) * p.normal)};
 }
 
+// The largest share that the inner control points of a span have in a point of the curve: 1 - 2^(1 - degree) where all weights are one.
+double inner_share(const std::vector<Vec3>& points) {
+  double inner = 0;
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) inner = std::max(inner, weight(points[i]));
+  const double ends = std::min(weight(points.front()), weight(points.back()));
+  const double of_ends = std::exp2(2.0 - static_cast<double>(points.size())), of_inner = 1 - of_ends;
+  return inner * of_inner / (inner * of_inner + ends * of_ends);
+}
+
 // How far, at most, the curve strays from the line between its ends, as a displacement (|du|, |dv|) measured by `speed`: the control points
 // of its Bezier spans bound it.
 double sliver_of(const Curve2& curve, double t0, double t1, const UV& a, const UV& b, const Vec2& speed) {
   if (std::holds_alternative<Line<Vec2>>(curve) || t0 == t1) return 0;
   const Vec2 line = (b - a) * speed;
   const double length2 = glm::dot(line, line);
+  const auto off_line = [&](const Vec3& h) {
+    const Vec2 p = (project(h) - a) * speed;
+    const double s = length2 > 0 ? std::clamp(glm::dot(p, line) / length2, 0.0, 1.0) : 0.0;
+    const Vec2 off = p - s * line;
+    return std::abs(off.x) + std::abs(off.y);
+  };
   double worst = 0;
-  for (const auto& span : bezier_spans(curve, std::min(t0, t1), std::max(t0, t1)))
-    for (const Vec3& h : span.points) {
-      const Vec2 p = (project(h) - a) * speed;
-      const double s = length2 > 0 ? std::clamp(glm::dot(p, line) / length2, 0.0, 1.0) : 0.0;
-      const Vec2 off = p - s * line;
-      worst = std::max(worst, std::abs(off.x) + std::abs(off.y));
-    }
+  for (const auto& span : bezier_spans(curve, std::min(t0, t1), std::max(t0, t1))) {
+    const auto& h = span.points;
+    const double ends = std::max(off_line(h.front()), off_line(h.back()));
+    double inner = 0;
+    for (std::size_t i = 1; i + 1 < h.size(); ++i) inner = std::max(inner, off_line(h[i]));
+    worst = std::max(worst, ends + inner_share(h) * std::max(0.0, inner - ends));
+  }
   return worst;
 }
 
@@ -229,6 +247,24 @@ double EdgeNet::split_at(int e, double a, double b) const {
   return best;
 }
 
+// Into how many equal parts a segment is cut: the fewest that are short enough where the edge bends evenly, so that a circle takes no
+// power of two; else 2.
+int EdgeNet::even_parts(int e, double a, double b, double over) const {
+  if (!(over < kTrustedRatio)) return 2;
+  constexpr int kTries = 4;
+  int parts = static_cast<int>(std::ceil(std::sqrt(over)));
+  for (int i = 0; i < kTries && parts > 2; ++i) {
+    Range errors;
+    const auto see = [&](int k) { errors.include(excess(e, a + (b - a) * k / parts, k + 1 == parts ? b : a + (b - a) * (k + 1) / parts)); };
+    for (const int k : {0, parts / 2, parts - 1}) see(k);  // these often tell
+    for (int k = 1; k + 1 < parts && errors.lo >= kEven * errors.hi; ++k) see(k);
+    if (errors.lo < kEven * errors.hi) return 2;
+    if (errors.hi <= 1) return parts;
+    parts = std::max(parts + 1, static_cast<int>(std::ceil(parts * std::sqrt(errors.hi))));
+  }
+  return parts;
+}
+
 void EdgeNet::sample(int e) {
   const BoundaryEdge& edge = boundary_->edges[static_cast<std::size_t>(e)];
   std::vector<double> shares{0.0};
@@ -245,7 +281,7 @@ void EdgeNet::sample(int e) {
       continue;
     }
     const double at = split_at(e, a, b);
-    const int parts = over < kTrustedRatio && at == 0.5 * (a + b) ? static_cast<int>(std::ceil(std::sqrt(over))) : 2;
+    const int parts = at == 0.5 * (a + b) ? even_parts(e, a, b, over) : 2;
     if (parts == 2) {
       stack.push_back(at);
     } else {

@@ -53,6 +53,7 @@ class EdgeNet {
   SegmentError error_of(int use, double a, double b) const;
   double excess(int edge, double a, double b) const;
   bool turns_too_far(int use, double a, double b) const;
+  int even_parts(int edge, double a, double b, double over) const;
   void sample(int edge);
   void place_points(int edge);
   std::uint32_t point_at(const Point3& p, std::uint32_t before, std::uint32_t after);

@@ -57,11 +57,14 @@ std::vector<UV> images(const UV& uv, const Vec2& period) {
 
 using Stations = std::vector<std::pair<double, std::uint32_t>>;  // nodes by where they lie along a curve
 
-void pair_neighbours(Stations& stations, NodePairs& pairs) {
+// Nodes of one point in a row (where a closed curve ends, each is the other's image) are all neighbours of the next point's nodes.
+void pair_neighbours(Stations& stations, std::span<const MeshNode> nodes, NodePairs& pairs) {
   std::sort(stations.begin(), stations.end());
+  const auto point = [&](std::size_t i) { return nodes[stations[i].second].point; };
+  std::size_t before = 0, begin = 0;  // of the point before this one, and of this one
   for (std::size_t i = 1; i < stations.size(); ++i) {
-    const auto [a, b] = std::minmax(stations[i - 1].second, stations[i].second);
-    if (a != b) pairs.emplace(a, b);
+    if (point(i) != point(i - 1)) before = begin, begin = i;
+    for (std::size_t k = before; k < begin; ++k) pairs.emplace(std::minmax(stations[k].second, stations[i].second));
   }
 }
 
@@ -92,7 +95,7 @@ void pair_along(const TrimCurve& trim, const Vec2& period, double tolerance, std
       for (const std::uint32_t s : close) near.search(curve.spans[s].points, s, s + 1.0);
       for (const Range& r : near.found()) stations.emplace_back(r.middle(), i);
     }
-  pair_neighbours(stations, pairs);
+  pair_neighbours(stations, nodes, pairs);
 }
 
 // The four sides of the domain, but those at which the surface closes.
@@ -104,7 +107,7 @@ void pair_along_domain(const Face& face, const Vec2& period, double tolerance, s
       Stations stations;
       for (std::uint32_t i = 0; i < nodes.size(); ++i)
         if (std::abs(nodes[i].uv[axis] - side) <= tolerance) stations.emplace_back(nodes[i].uv[1 - axis], i);
-      pair_neighbours(stations, pairs);
+      pair_neighbours(stations, nodes, pairs);
     }
   }
 }
