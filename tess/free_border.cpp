@@ -121,7 +121,7 @@ NodePairs free_neighbours(const Face& face, std::span<const Edge> edges, std::sp
   if (face.loops.empty()) pair_along_domain(face, period, tolerance, nodes, pairs);
   for (const TrimLoop& loop : face.loops)
     for (const TrimCurve& trim : loop.curves)
-      if (trim.edge >= 0 && edges[static_cast<std::size_t>(trim.edge)].uses == 1) pair_along(trim, period, tolerance, nodes, pairs);
+      if (trim.edge < 0 || edges[static_cast<std::size_t>(trim.edge)].uses == 1) pair_along(trim, period, tolerance, nodes, pairs);
   return pairs;
 }
 
