@@ -135,7 +135,7 @@ NodePairs free_neighbours(const Face& face, std::span<const Edge> edges, std::sp
   for (const TrimLoop& loop : face.loops)
     for (std::size_t i = 0, n = loop.curves.size(); i < n; ++i) {
       const TrimCurve &trim = loop.curves[i], &last = loop.curves[(i + n - 1) % n], &next = loop.curves[(i + 1) % n];
-      if (trim.edge >= 0 && edges[static_cast<std::size_t>(trim.edge)].uses == 1)
+      if (trim.edge < 0 || edges[static_cast<std::size_t>(trim.edge)].uses == 1)
         pair_along(trim, jet(last.curve, last.t1).C, jet(next.curve, next.t0).C, period, tolerance, nodes, pairs);
     }
   return pairs;

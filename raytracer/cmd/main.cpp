@@ -38,8 +38,7 @@ namespace {
 struct PlannedCommand {
   const char *name, *does;
 };
-constexpr PlannedCommand kPlanned[] = {{"tessellate", "watertight mesh with its distance from the surface"},
-                                       {"compare", "direct against tessellated, or against a given mesh"},
+constexpr PlannedCommand kPlanned[] = {{"compare", "direct against tessellated, or against a given mesh"},
                                        {"convert", "B-rep to a globally smooth spline"},
                                        {"vectorise", "raster image to a vector image"},
                                        {"diff", "compare two pictures"},
@@ -85,6 +84,7 @@ Exit run(int argc, char** argv) {
   add_hit_command(app, exit);
   add_info_command(app, exit);
   add_display_command(app, exit);
+  add_tessellate_command(app, exit);
   add_planned_commands(app, exit);
   if (argc > 1 && argv[1][0] != '-')
     if (const auto error = unknown_command(app, argv[1])) return fail(*error);
