@@ -83,9 +83,22 @@ struct Spans {
   }
 };
 
-void pair_along(const TrimCurve& trim, const Vec2& period, double tolerance, std::span<const MeshNode> nodes, NodePairs& pairs) {
+// Curves of a loop may meet within the file's tolerance only, and the node there has the (u, v) of one of them: the nodes at `before` and
+// `after`, where its neighbours end and begin, count as its ends.
+void add_ends(const TrimCurve& trim, double spans, const UV& before, const UV& after, double tolerance, std::span<const MeshNode> nodes,
+              Stations& stations) {
+  const bool rises = trim.t0 < trim.t1;
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    if (glm::length(nodes[i].uv - before) <= tolerance) stations.emplace_back(rises ? 0 : spans, i);
+    if (glm::length(nodes[i].uv - after) <= tolerance) stations.emplace_back(rises ? spans : 0, i);
+  }
+}
+
+void pair_along(const TrimCurve& trim, const UV& before, const UV& after, const Vec2& period, double tolerance,
+                std::span<const MeshNode> nodes, NodePairs& pairs) {
   const Spans curve(trim);
   Stations stations;
+  add_ends(trim, static_cast<double>(curve.spans.size()), before, after, tolerance, nodes, stations);
   for (std::uint32_t i = 0; i < nodes.size(); ++i)
     for (const UV& uv : images(nodes[i].uv, period)) {
       std::vector<std::uint32_t> close;
@@ -120,8 +133,11 @@ NodePairs free_neighbours(const Face& face, std::span<const Edge> edges, std::sp
   const double tolerance = kOnBorder * face.domain.diagonal();
   if (face.loops.empty()) pair_along_domain(face, period, tolerance, nodes, pairs);
   for (const TrimLoop& loop : face.loops)
-    for (const TrimCurve& trim : loop.curves)
-      if (trim.edge < 0 || edges[static_cast<std::size_t>(trim.edge)].uses == 1) pair_along(trim, period, tolerance, nodes, pairs);
+    for (std::size_t i = 0, n = loop.curves.size(); i < n; ++i) {
+      const TrimCurve &trim = loop.curves[i], &last = loop.curves[(i + n - 1) % n], &next = loop.curves[(i + 1) % n];
+      if (trim.edge < 0 || edges[static_cast<std::size_t>(trim.edge)].uses == 1)
+        pair_along(trim, jet(last.curve, last.t1).C, jet(next.curve, next.t0).C, period, tolerance, nodes, pairs);
+    }
   return pairs;
 }
 
