@@ -23,6 +23,13 @@ Exit fail(const Error& error) {
   return error.kind;
 }
 
+Exit tell_broken(const std::vector<std::string>& broken, const std::string& file) {
+  constexpr std::size_t kMostLines = 8;
+  for (std::size_t i = 0; i < std::min(broken.size(), kMostLines); ++i) fail({Exit::promise_not_kept, file, {}, broken[i]});
+  if (broken.size() > kMostLines) fail({Exit::promise_not_kept, file, {}, fmt::format("and {} more", broken.size() - kMostLines)});
+  return broken.empty() ? Exit::done : Exit::promise_not_kept;
+}
+
 Status write_stdout(std::string_view text) {
   while (!text.empty()) {
     const ssize_t n = ::write(STDOUT_FILENO, text.data(), text.size());

@@ -4,12 +4,8 @@
 
 #include <cmath>
 
-#include "raytracer/cmd/command.h"
-
 namespace iso {
 namespace {
-
-constexpr std::size_t kMostLines = 8;
 
 // "48 310".
 std::string grouped(std::uint64_t n) {
@@ -139,11 +135,5 @@ std::string summary_text(const MeshFigures& figures) {
 }
 
 std::vector<std::string> broken_promises(const MeshFigures& figures) { return Broken(figures).lines(); }
-
-Exit tell_broken(const std::vector<std::string>& broken, const std::string& file) {
-  for (std::size_t i = 0; i < std::min(broken.size(), kMostLines); ++i) fail({Exit::promise_not_kept, file, {}, broken[i]});
-  if (broken.size() > kMostLines) fail({Exit::promise_not_kept, file, {}, fmt::format("and {} more", broken.size() - kMostLines)});
-  return broken.empty() ? Exit::done : Exit::promise_not_kept;
-}
 
 }  // namespace iso

@@ -1,5 +1,5 @@
-// What is told of a mesh: its closing line, the promises it does not keep, and the JSON of `tessellate --report`, which README.md
-// describes.
+// What is told of a mesh: its closing line, the promises it does not keep, and the JSON of `tessellate --report`, which
+// mesh_report.md describes.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -28,9 +28,6 @@ std::string summary_text(const MeshFigures& figures);
 
 // One line for each promise that is not kept: a bound beyond the tolerance, faces without triangles, folds, cracks. Empty: all are kept.
 std::vector<std::string> broken_promises(const MeshFigures& figures);
-
-// At most a few of these lines as errors on standard error, then how many more there are. Exit::promise_not_kept, or Exit::done if none.
-Exit tell_broken(const std::vector<std::string>& broken, const std::string& file);
 
 // The totals as an object.
 nlohmann::ordered_json totals_json(const MeshFigures& figures);

@@ -33,6 +33,9 @@ std::optional<ToleranceUnit> unit_named(std::string_view name) {
   return {};
 }
 
+// Of the diagonal; some thousand times the rounding of coordinates.
+constexpr double kFinest = 1e-12;
+
 constexpr const char* kExpected = "expected a positive number with one of m cm mm um in ft, d (diagonals of the model's box) or nothing";
 
 Error bad_tolerance(std::string_view option, const std::string& found) {
@@ -71,6 +74,13 @@ Result<double> in_units(const Tolerance& tolerance, double diagonal, std::string
                                option, asked.name, unit_of_model.empty() ? "unknown" : fmt::format("'{}'", unit_of_model))};
     units *= asked.metres / length_of(*own).metres;
   }
+  if (units > 0 && units < kFinest * diagonal)
+    return Error{Exit::bad_command_line,
+                 {},
+                 {},
+                 fmt::format("{}: found {:.3g} units of a model with a diagonal of {:.3g}, finer than its coordinates can be told apart; "
+                             "expected at least {:g} diagonals",
+                             option, units, diagonal, kFinest)};
   if (units > 0 && std::isfinite(units)) return units;
   return bad_tolerance(option, fmt::format("{:g} units of a model with a diagonal of {:g}", units, diagonal));
 }
