@@ -141,14 +141,18 @@ double extent_of(const Part& part, const EdgeUse& use) {
   return extent;
 }
 
-// Short edges whose ends became one vertex, for their neighbours were joined with edges that meet in one, are points.
+// A gap of this share of the part's size at a vertex is closed, whatever the tolerance.
+constexpr double kLargestGap = 1e-4;
+
+// Short edges whose ends are one vertex but do not lie together are points: gaps that a face closes with an edge of its own, or edges whose
+// neighbours were joined with edges that meet in one.
 void collapse_short_edges(const Part& part, Boundary& boundary) {
   for (BoundaryEdge& edge : boundary.edges) {
     if (edge.degenerate || edge.vertex[0] != edge.vertex[1]) continue;
     const EdgeUse& use = boundary.uses[static_cast<std::size_t>(edge.uses[0])];
     const double apart = glm::length(place(part, use, 1) - place(part, use, 0)), extent = extent_of(part, use);
     // Edges that were closed before enclose something.
-    if (extent > kShort * boundary.joins.tolerance || apart < 0.5 * extent) continue;
+    if (extent > std::max(kShort * boundary.joins.tolerance, kLargestGap * part.box.diagonal()) || apart < 0.5 * extent) continue;
     edge.degenerate = true;
     ++boundary.joins.collapsed;
   }
@@ -229,8 +233,8 @@ Boundary::Boundary(const Part& part, double sew) {
   }
   joins = join_edges(part, *this, sew);
   number_vertices(*this);
-  if (joins.joined == 0) return;
   collapse_short_edges(part, *this);
+  if (joins.joined == 0) return;
   join_short_edges(part, *this);
   compact(*this);
 }

@@ -10,9 +10,6 @@ constexpr double kLengthDiffers = 0.1;
 // Places that belong together lie at shares of the length that differ by no more than this.
 constexpr double kWindow = 0.15;
 
-// Edges shorter than this many tolerances are matched by equal shares where nearest places would not follow one another.
-constexpr double kShort = 16;
-
 // Edges shorter than this many tolerances are no edges at that tolerance.
 constexpr double kTooShort = 4;
 
@@ -39,36 +36,41 @@ EdgePiece directed(const EdgePiece& piece, bool reversed) {
   return result;
 }
 
-std::optional<EdgeMatch> match_evenly(const EdgePiece& first, const EdgePiece& second, double tolerance) {
-  EdgeMatch result;
-  for (int i = 0; i <= kTraced; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    result.apart = std::max(result.apart, glm::length(first.at[k] - second.at[k]));
-    result.shares.push_back(even_share(i));
+// Shares below 0 are not known: they go evenly from the known one before to the one after.
+void fill_evenly(std::vector<double>& shares) {
+  std::size_t known = 0;
+  for (std::size_t k = 1; k < shares.size(); ++k) {
+    if (shares[k] < 0) continue;
+    for (std::size_t i = known + 1; i < k; ++i)
+      shares[i] = shares[known] + (shares[k] - shares[known]) * static_cast<double>(i - known) / static_cast<double>(k - known);
+    known = k;
   }
-  if (result.apart > 2 * tolerance) return std::nullopt;
-  result.even = true;
-  return result;
 }
 
-std::optional<EdgeMatch> match_nearest(const EdgePiece& first, const EdgePiece& second, double tolerance) {
+// The nearest places, where they follow one another; near ends that are not in the same place they do not, and go evenly.
+std::optional<EdgeMatch> match_nearest(const EdgePiece& first, const EdgePiece& second, const MatchPolicy& policy) {
   EdgeMatch result;
-  result.shares.push_back(0);
-  result.apart = std::max(glm::length(first.at.front() - second.at.front()), glm::length(first.at.back() - second.at.back()));
-  double evenly = result.apart;
-  for (int i = 1; i < kTraced; ++i) {
-    const auto k = static_cast<std::size_t>(i);
+  result.shares.assign(kTraced + 1, -1);
+  result.shares.front() = 0;
+  result.shares.back() = 1;
+  double last = 0;
+  for (std::size_t k = 1; k < kTraced; ++k) {
     const double expected = first.along[k] / first.length();
-    const NearPlace near = nearest_place(second, first.at[k], 2 * tolerance, expected - kWindow, expected + kWindow);
+    const NearPlace near =
+        nearest_place(second, first.at[k], 2 * std::max(policy.ends, policy.between), expected - kWindow, expected + kWindow);
     const bool at_end = near.share <= 0 || near.share >= 1;
-    if (!(near.distance <= (at_end ? 2 * tolerance : tolerance))) return std::nullopt;
-    if (at_end || near.share <= result.shares.back())  // they do not follow one another
-      return first.length() <= kShort * tolerance ? match_evenly(first, second, tolerance) : std::nullopt;
-    result.shares.push_back(near.share);
-    result.apart = std::max(result.apart, near.distance);
+    if (!(near.distance <= (at_end ? 2 * policy.ends : policy.between))) return std::nullopt;
+    if (!at_end && near.share > last) last = result.shares[k] = near.share;
+  }
+  const std::vector<double> found = result.shares;
+  fill_evenly(result.shares);
+  double evenly = 0;
+  for (std::size_t k = 0; k <= kTraced; ++k) {
+    const double distance = glm::length(first.at[k] - place(second, second.use, result.shares[k]));
+    if (found[k] < 0 && distance > 2 * policy.ends) return std::nullopt;
+    result.apart = std::max(result.apart, distance);
     evenly = std::max(evenly, glm::length(first.at[k] - second.at[k]));
   }
-  result.shares.push_back(1);
   result.even = evenly <= std::max(kEvenFactor * result.apart, kEvenShare * first.length());
   return result;
 }
@@ -113,17 +115,17 @@ NearPlace nearest_place(const EdgePiece& piece, const Point3& p, double within, 
   return result;
 }
 
-std::optional<EdgeMatch> match(const EdgePiece& first, const EdgePiece& second, double tolerance) {
-  if (std::abs(first.length() - second.length()) > kLengthDiffers * std::max(first.length(), second.length()) + 4 * tolerance)
+std::optional<EdgeMatch> match(const EdgePiece& first, const EdgePiece& second, const MatchPolicy& policy) {
+  if (std::abs(first.length() - second.length()) > kLengthDiffers * std::max(first.length(), second.length()) + 4 * policy.ends)
     return std::nullopt;
-  if (first.length() < kTooShort * tolerance) return std::nullopt;
+  if (first.length() < kTooShort * policy.ends) return std::nullopt;
   std::optional<EdgeMatch> best;
   for (const bool reversed : {false, true}) {
     const Point3 &from = reversed ? second.at.back() : second.at.front(), &to = reversed ? second.at.front() : second.at.back();
-    if (glm::length(first.at.front() - from) > 2 * tolerance || glm::length(first.at.back() - to) > 2 * tolerance) continue;
+    if (glm::length(first.at.front() - from) > 2 * policy.ends || glm::length(first.at.back() - to) > 2 * policy.ends) continue;
     const EdgePiece other = directed(second, reversed);
-    if (first.face == second.face && encloses_sliver(first, other.use, tolerance)) continue;
-    auto found = match_nearest(first, other, tolerance);
+    if (first.face == second.face && encloses_sliver(first, other.use, policy.between)) continue;
+    auto found = match_nearest(first, other, policy);
     if (!found || (best && best->apart <= found->apart)) continue;
     found->reversed = reversed;
     best = std::move(found);

@@ -42,9 +42,13 @@ struct EdgeMatch {
   std::vector<double> shares;  // of the second piece, in the direction of the first, at the first's even shares; rising from 0 to 1
 };
 
-// The match of two pieces that lie within `tolerance` of each other all along, their ends within twice that (for each end may have been set
-// by a neighbour's); none for edges of a few tolerances only. Measured at kTraced + 1 places: what lies between them counts into
-// FaceReport::offset, whatever it is.
-std::optional<EdgeMatch> match(const EdgePiece& first, const EdgePiece& second, double tolerance);
+struct MatchPolicy {
+  double ends = 0;     // world units: allowed between ends, twice, for each may have been set by a neighbour's
+  double between = 0;  // and between the curves
+};
+
+// The match of two pieces that lie within the policy's distances of each other all along; none for edges of a few tolerances only. Measured
+// at kTraced + 1 places: what lies between them counts into FaceReport::offset, whatever it is.
+std::optional<EdgeMatch> match(const EdgePiece& first, const EdgePiece& second, const MatchPolicy& policy);
 
 }  // namespace iso

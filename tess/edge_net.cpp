@@ -20,8 +20,11 @@ constexpr double kOnePoint = 1e-6;
 // Pieces into which a segment is cut to bound its distance from the curve.
 constexpr int kPieces = 4;
 
-// How many segments are tried at once where the error's square law is trusted.
-constexpr double kTrustedRatio = 16;
+// Errors of more than this many times what is allowed say too little of how many segments are needed.
+constexpr double kTrustedRatio = 1e4;
+
+// Segments of equal length are kept if the least error among them is at least this share of the largest.
+constexpr double kEven = 0.5;
 
 // How far a point of a curve is from a chord, in all and along the surface that the curve lies on.
 struct Offset {
@@ -242,6 +245,27 @@ double EdgeNet::split_at(int e, double a, double b) const {
   return best;
 }
 
+// Into how many equal parts a segment is cut: the fewest that are short enough where the edge bends evenly, so that a circle takes no
+// power of two; else 2.
+int EdgeNet::even_parts(int e, double a, double b, double over) const {
+  if (!(over < kTrustedRatio)) return 2;
+  constexpr int kTries = 4;
+  int parts = static_cast<int>(std::ceil(std::sqrt(over)));
+  for (int i = 0; i < kTries && parts > 2; ++i) {
+    Range errors;
+    const auto see = [&](int k) {
+      Sample end = sample_at(e, k + 1 == parts ? b : a + (b - a) * (k + 1) / parts);
+      errors.include(excess(e, sample_at(e, a + (b - a) * k / parts), end));
+    };
+    for (const int k : {0, parts / 2, parts - 1}) see(k);  // these often tell
+    for (int k = 1; k + 1 < parts && errors.lo >= kEven * errors.hi; ++k) see(k);
+    if (errors.lo < kEven * errors.hi) return 2;
+    if (errors.hi <= 1) return parts;
+    parts = std::max(parts + 1, static_cast<int>(std::ceil(parts * std::sqrt(errors.hi))));
+  }
+  return parts;
+}
+
 EdgeNet::Sampling EdgeNet::sampled(int e) const {
   const BoundaryEdge& edge = boundary_->edges[static_cast<std::size_t>(e)];
   Sampling result;
@@ -261,7 +285,7 @@ EdgeNet::Sampling EdgeNet::sampled(int e) const {
       continue;
     }
     const double at = split_at(e, a, b);
-    const int parts = over < kTrustedRatio && at == 0.5 * (a + b) ? static_cast<int>(std::ceil(std::sqrt(over))) : 2;
+    const int parts = at == 0.5 * (a + b) ? even_parts(e, a, b, over) : 2;
     if (parts == 2) {
       stack.push_back(sample_at(e, at));
     } else {

@@ -77,6 +77,7 @@ class EdgeNet {
   bool turns_too_far(int use, const OnUse& a, const OnUse& b) const;
   Sampling sampled(int edge) const;
   Point3 middle_of(const Sample& sample) const;
+  int even_parts(int edge, double a, double b, double over) const;
   std::uint32_t point_at(const Point3& p, std::uint32_t before, std::uint32_t after);
   void put_samples(int edge, const std::vector<Sample>& samples);
   double split_at(int edge, double a, double b) const;

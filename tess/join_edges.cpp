@@ -16,6 +16,10 @@ constexpr double kWider = 10;
 // Distances below this share of those allowed in a round count as equal, and orientation decides between partners.
 constexpr double kAsNear = 0.01;
 
+// Edges between the same two vertices are the same where they stray from each other by no more than this share of the part's size, and this
+// of their own length, even if the file claims a smaller tolerance; as for shared edges (finish in patches/brep.h).
+constexpr double kLyingGap = 1e-4, kLyingShare = 1e-3;
+
 // Open borders are looked for within this share of the part's size.
 constexpr double kLooked = 1e-3;
 
@@ -52,9 +56,10 @@ class Joiner {
 
   JoinReport run() {
     for (double allowed = kSameBorder * part_.box.diagonal();; allowed = std::min(report_.tolerance, allowed * kWider)) {
-      join_within(allowed);
+      join_within({allowed, allowed});
       if (!(allowed < report_.tolerance)) break;
     }
+    join_within({report_.tolerance, std::max(report_.tolerance, kLyingGap * part_.box.diagonal())});
     rebuild();
     return finished();
   }
@@ -69,8 +74,8 @@ class Joiner {
   }
 
   // Joins what lies within `allowed`. Splits that helped nobody are forgotten.
-  void join_within(double allowed) {
-    const auto cuts = find_cuts(allowed);
+  void join_within(const MatchPolicy& allowed) {
+    const auto cuts = find_cuts(allowed.ends);
     std::vector<EdgePiece> pieces;
     std::vector<std::size_t> parent;
     for (std::size_t i = 0; i < free_.size(); ++i) {
@@ -122,10 +127,10 @@ class Joiner {
     cuts = std::move(kept);
   }
 
-  std::vector<char> join_pairs(const std::vector<EdgePiece>& pieces, double allowed) {
+  std::vector<char> join_pairs(const std::vector<EdgePiece>& pieces, const MatchPolicy& allowed) {
     std::vector<Pair> pairs = find_pairs(pieces, allowed);
     const auto key = [&](const Pair& p) {
-      return std::make_tuple(std::max(p.match.apart, kAsNear * allowed), p.against, p.match.apart, p.i, p.j);
+      return std::make_tuple(std::max(p.match.apart, kAsNear * allowed.between), p.against, p.match.apart, p.i, p.j);
     };
     std::sort(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) { return key(a) < key(b); });
     std::vector<char> taken(pieces.size(), 0);
@@ -138,20 +143,20 @@ class Joiner {
     return taken;
   }
 
-  std::vector<Pair> find_pairs(const std::vector<EdgePiece>& pieces, double allowed) const {
+  std::vector<Pair> find_pairs(const std::vector<EdgePiece>& pieces, const MatchPolicy& allowed) const {
     std::vector<Pair> pairs;
     const BoxTree<Vec3> ends = tree_of_ends(pieces);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       const EdgePiece& piece = pieces[i];
       std::vector<std::size_t> near;
-      ends.for_each_touching(Box3{piece.at.front(), piece.at.front()}.inflated(2 * allowed),
+      ends.for_each_touching(Box3{piece.at.front(), piece.at.front()}.inflated(2 * allowed.ends),
                              [&](std::uint32_t e) { near.push_back(e / 2); });
       std::sort(near.begin(), near.end());
       near.erase(std::unique(near.begin(), near.end()), near.end());
       for (std::size_t j : near) {
         if (j <= i || !may_join(piece, pieces[j])) continue;
         auto found = match(piece, pieces[j], allowed);
-        if (!found) continue;
+        if (!found || (found->apart > 2 * allowed.ends && found->apart > kLyingShare * piece.length())) continue;
         const auto runs = [](const EdgePiece& p) { return p.use.forward != p.face->reversed; };
         const bool against = runs(piece) == (runs(pieces[j]) != found->reversed);
         pairs.push_back({i, j, std::move(*found), against});

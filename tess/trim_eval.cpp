@@ -13,18 +13,33 @@ bool is_polynomial(const NurbsCurve<Vec2>& curve) {
   return std::all_of(curve.poles.begin(), curve.poles.end(), [&](const Vec3& h) { return h.z == curve.poles.front().z; });
 }
 
+// The largest share that the inner control points of a span have in a point of the curve: 1 - 2^(1 - degree) where all weights are one.
+double inner_share(const std::vector<Vec3>& points) {
+  double inner = 0;
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) inner = std::max(inner, weight(points[i]));
+  const double ends = std::min(weight(points.front()), weight(points.back()));
+  const double of_ends = std::exp2(2.0 - static_cast<double>(points.size())), of_inner = 1 - of_ends;
+  return inner * of_inner / (inner * of_inner + ends * of_ends);
+}
+
 // By the control points of the Bezier spans.
 double sliver_of_spans(const Curve2& curve, double t0, double t1, const Vec2& a, const Vec2& b, const Vec2& speed) {
   const Vec2 line = (b - a) * speed;
   const double length2 = glm::dot(line, line);
+  const auto off_line = [&](const Vec3& h) {
+    const Vec2 p = (project(h) - a) * speed;
+    const double s = length2 > 0 ? std::clamp(glm::dot(p, line) / length2, 0.0, 1.0) : 0.0;
+    const Vec2 off = p - s * line;
+    return std::abs(off.x) + std::abs(off.y);
+  };
   double worst = 0;
-  for (const auto& span : bezier_spans(curve, std::min(t0, t1), std::max(t0, t1)))
-    for (const Vec3& h : span.points) {
-      const Vec2 p = (project(h) - a) * speed;
-      const double s = length2 > 0 ? std::clamp(glm::dot(p, line) / length2, 0.0, 1.0) : 0.0;
-      const Vec2 off = p - s * line;
-      worst = std::max(worst, std::abs(off.x) + std::abs(off.y));
-    }
+  for (const auto& span : bezier_spans(curve, std::min(t0, t1), std::max(t0, t1))) {
+    const auto& h = span.points;
+    const double ends = std::max(off_line(h.front()), off_line(h.back()));
+    double inner = 0;
+    for (std::size_t i = 1; i + 1 < h.size(); ++i) inner = std::max(inner, off_line(h[i]));
+    worst = std::max(worst, ends + inner_share(h) * std::max(0.0, inner - ends));
+  }
   return worst;
 }
 
