@@ -301,11 +301,30 @@ double BendTree::kinks(int direction, const Box2& uv) const {
   return sum;
 }
 
-BoxBend BendTree::over(const Box2& uv) const {
+BendTree::Place BendTree::place_of(const Box2& uv) const {
+  Place place{0, domain_};
+  if (nodes_.empty()) return place;
+  for (;;) {
+    const Node& node = nodes_[place.node];
+    if (node.cut == Cut::none) return place;
+    const int d = node.direction;
+    const double slack = node.cut == Cut::smooth ? 0.0 : touch_[d];
+    const bool low = uv.lo[d]<node.at - slack, high = uv.hi[d]> node.at + slack;
+    if (low == high) return place;
+    (high ? place.cell.lo : place.cell.hi)[d] = node.at;
+    place.node = high ? node.high : place.node + 1;
+  }
+}
+
+BoxBend BendTree::over(const Box2& uv) const { return over(uv, {0, domain_}); }
+
+BoxBend BendTree::over(const Box2& uv, const Place& place) const {
   const Box2 part{glm::clamp(uv.lo, domain_.lo, domain_.hi), glm::clamp(uv.hi, domain_.lo, domain_.hi)};
   if (nodes_.empty()) return {closed_form_bend(closed_form_, part).value_or(unbounded_bend())};
+  const Box2& cell = place.cell;
+  const bool inside = part.lo.x >= cell.lo.x && part.lo.y >= cell.lo.y && part.hi.x <= cell.hi.x && part.hi.y <= cell.hi.y;
   BoxBend sum;
-  gather(0, domain_, part, sum);
+  gather(inside ? place.node : 0, inside ? cell : domain_, part, sum);
   sum.kink_u = kinks(0, part);
   sum.kink_v = kinks(1, part);
   return sum;

@@ -50,6 +50,16 @@ class BendTree {
   // a knot by rounding only lies on one side of it. May be called by many threads.
   BoxBend over(const Box2& uv) const;
 
+  // A part of the tree from which boxes inside its cell are answered faster.
+  struct Place {
+    std::int32_t node = 0;
+    Box2 cell;
+  };
+  // The smallest cell that holds the box.
+  Place place_of(const Box2& uv) const;
+  // As above, and the same answer; boxes that reach beyond the cell are allowed and gain nothing.
+  BoxBend over(const Box2& uv, const Place& place) const;
+
   // Knots inside the domain where the tangent plane jumps, per direction, rising.
   const std::vector<double>& creases_u() const { return creases_u_; }
   const std::vector<double>& creases_v() const { return creases_v_; }

@@ -15,17 +15,25 @@ constexpr double kWithin = 0.25;
 // Nearer than this share of the domain's width to a crease is on it.
 constexpr double kOnCrease = 1e-9;
 
+// Nearer to each other than this share of the tolerance are samples that are one point.
+constexpr double kOnePoint = 1e-6;
+
 // Pieces into which a segment is cut to bound its distance from the curve.
 constexpr int kPieces = 4;
 
 // How many segments are tried at once where the error's square law is trusted.
 constexpr double kTrustedRatio = 16;
 
-double distance_to_segment(const Point3& p, const Point3& a, const Point3& b) {
+// How far a point of a curve is from a chord, in all and along the surface that the curve lies on.
+struct Offset {
+  double all = 0, along_surface = 0;
+};
+Offset offset_from_segment(const FaceShape::Placed& p, const Point3& a, const Point3& b) {
   const Vec3 ab = b - a;
   const double length2 = glm::dot(ab, ab);
-  const double s = length2 > 0 ? std::clamp(glm::dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
-  return glm::length(p - a - s * ab);
+  const double s = length2 > 0 ? std::clamp(glm::dot(p.S - a, ab) / length2, 0.0, 1.0) : 0.0;
+  const Vec3 r = p.S - a - s * ab;
+  return {glm::length(r), glm::length(r - glm::dot(r, p.normal) * p.normal)};
 }
 
 // How far, at most, the curve strays from the line between its ends, as a displacement (|du|, |dv|) measured by `speed`: the control points
@@ -43,6 +51,20 @@ double sliver_of(const Curve2& curve, double t0, double t1, const UV& a, const U
       worst = std::max(worst, std::abs(off.x) + std::abs(off.y));
     }
   return worst;
+}
+
+// How far the curve of a use strays from its chord over a short piece: in (u, v) from the straight line, and over that line by the second
+// derivatives and the jumps of the first.
+double stray_of(const FaceShape& shape, const EdgeUse& use, double s0, double s1, const UV& from, const UV& to) {
+  Box2 box;
+  box.include(from);
+  box.include(to);
+  const BoxBend bend = shape.bend().over(box);
+  const Vec2 d = glm::abs(to - from);
+  const auto times = [](double m, double by) { return by == 0 ? 0.0 : m * by; };
+  return sliver_of(use.curve.curve, parameter_at(use, s0), parameter_at(use, s1), from, to, shape.speed(box)) +
+         (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, d.x * d.y) + times(bend.Mvv, d.y * d.y)) / 8 +
+         (times(bend.kink_u, d.x) + times(bend.kink_v, d.y)) / 4;
 }
 
 // Parameters inside (lo, hi) at which a NURBS has a knot of full multiplicity.
@@ -156,34 +178,20 @@ SegmentError EdgeNet::error_of(int use, double a, double b) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
   const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
   const UV uva = uv_on(use, a), uvb = uv_on(use, b);
-  const Point3 A = place(use, uva), B = place(use, uvb);
-  const auto parameter = [&](const UV& uv, double share) {
-    (void)uv;
-    return parameter_at(u, share);
-  };
+  const FaceShape::Placed A = shape.place(uva), B = shape.place(uvb);
   SegmentError error;
-  Box2 box;
-  box.include(uva);
-  box.include(uvb);
-  error.sliver = sliver_of(u.curve.curve, parameter(uva, a), parameter(uvb, b), uva, uvb, shape.speed(box));
-  error.surface = shape.segment_bound({uva, A}, {uvb, B});
+  error.surface = shape.segment_bound({uva, A.S}, {uvb, B.S});
   // The curve is compared with the chord at some places; between them it strays from its own short chords by little.
-  SurfaceCorner from{uva, A};
+  UV from_uv = uva;
+  Offset from;
   for (int i = 1; i <= kPieces; ++i) {
     const double s0 = a + (b - a) * (i - 1) / kPieces, s1 = i == kPieces ? b : a + (b - a) * i / kPieces;
-    SurfaceCorner to;
-    to.uv = i == kPieces ? uvb : uv_on(use, s1);
-    to.S = i == kPieces ? B : place(use, to.uv);
-    Box2 piece;
-    piece.include(from.uv);
-    piece.include(to.uv);
-    const Vec2 d = to.uv - from.uv;
-    const BoxBend bend = shape.bend().over(piece);
-    const auto times = [](double m, double by) { return by == 0 ? 0.0 : m * by; };
-    const double curve = sliver_of(u.curve.curve, parameter_at(u, s0), parameter_at(u, s1), from.uv, to.uv, shape.speed(piece)) +
-                         (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, std::abs(d.x * d.y)) + times(bend.Mvv, d.y * d.y)) / 8 +
-                         (times(bend.kink_u, std::abs(d.x)) + times(bend.kink_v, std::abs(d.y))) / 4;
-    error.chord = std::max(error.chord, std::max(distance_to_segment(from.S, A, B), distance_to_segment(to.S, A, B)) + curve);
+    const UV to_uv = i == kPieces ? uvb : uv_on(use, s1);
+    const Offset to = i == kPieces ? Offset{} : offset_from_segment(shape.place(to_uv), A.S, B.S);
+    const double between = stray_of(shape, u, s0, s1, from_uv, to_uv);
+    error.chord = std::max(error.chord, std::max(from.all, to.all) + between);
+    error.sliver = std::max(error.sliver, std::max(from.along_surface, to.along_surface) + between);
+    from_uv = to_uv;
     from = to;
   }
   return error;
@@ -270,9 +278,16 @@ void EdgeNet::put_samples(int e, std::vector<double> shares) {
     }
     Point3 middle(0.0);
     for (std::size_t k = 0; k < edge.uses.size(); ++k) middle += place(edge.uses[k], sampled.uv[k][i]);
-    sampled.point[i] = static_cast<std::uint32_t>(points_.size());
-    points_.push_back(middle / static_cast<double>(edge.uses.size()));
+    sampled.point[i] = point_at(middle / static_cast<double>(edge.uses.size()), sampled.point[i - 1], sampled.point.back());
   }
+}
+
+// A new point, unless one of its neighbours is there already: an edge may be a point in space along a part of its length.
+std::uint32_t EdgeNet::point_at(const Point3& p, std::uint32_t before, std::uint32_t after) {
+  for (const std::uint32_t old : {before, after})
+    if (glm::length(points_[old] - p) <= kOnePoint * policy_.chord) return old;
+  points_.push_back(p);
+  return static_cast<std::uint32_t>(points_.size() - 1);
 }
 
 bool EdgeNet::split(int e, std::size_t segment) {
@@ -295,10 +310,8 @@ bool EdgeNet::split(int e, std::size_t segment) {
     sampled.sliver[k].insert(sampled.sliver[k].begin() + where, sliver(at, b));
   }
   std::uint32_t point = sampled.point[segment];
-  if (!edge.degenerate) {
-    point = static_cast<std::uint32_t>(points_.size());
-    points_.push_back(middle / static_cast<double>(edge.uses.size()));
-  }
+  if (!edge.degenerate)
+    point = point_at(middle / static_cast<double>(edge.uses.size()), sampled.point[segment], sampled.point[segment + 1]);
   sampled.point.insert(sampled.point.begin() + where, point);
   return true;
 }

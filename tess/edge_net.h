@@ -20,7 +20,7 @@ struct EdgePolicy {
 // Proven distances of one segment on one face, world units.
 struct SegmentError {
   double chord = 0;    // of the curve from the chord in space
-  double sliver = 0;   // of the curve from the surface over the straight line in (u, v)
+  double sliver = 0;   // of the curve from the chord, along the surface: so far the mesh ends beyond the face or before it
   double surface = 0;  // of the surface from the chord, over the straight line in (u, v)
 };
 
@@ -55,6 +55,7 @@ class EdgeNet {
   bool turns_too_far(int use, double a, double b) const;
   void sample(int edge);
   void place_points(int edge);
+  std::uint32_t point_at(const Point3& p, std::uint32_t before, std::uint32_t after);
   void put_samples(int edge, std::vector<double> shares);
   double split_at(int edge, double a, double b) const;
   std::vector<double> preferred_splits(int edge);

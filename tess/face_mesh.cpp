@@ -25,6 +25,9 @@ constexpr double kManyCells = 2.0;
 // Nearer than this share of the coordinates' size to a crease is on it.
 constexpr double kOnCrease = 1e-12;
 
+// Segments of the border that cross others are not split below this share of the tolerance.
+constexpr double kLeastSegment = 0.02;
+
 // Triangles smaller than this share of the tolerance are not divided further.
 constexpr double kLeastSize = 0.05;
 
@@ -77,6 +80,20 @@ class FaceMesher {
       loop_ends_.push_back({first, mesh_.nodes.size()});
     }
     mesh_.border = mesh_.nodes.size();
+    find_poles();
+  }
+
+  // Along a collapsed segment the surface is one point, whatever the parameter that runs along it.
+  void find_poles() {
+    pole_axis_.assign(mesh_.border, -1);
+    for (const auto& [first, last] : loop_ends_)
+      for (std::size_t i = first; i < last; ++i) {
+        if (!segments_[i].degenerate) continue;
+        const std::size_t next = i + 1 < last ? i + 1 : first;
+        const Vec2 d = glm::abs(mesh_.nodes[next].uv - mesh_.nodes[i].uv);
+        const int axis = d.x > d.y ? 0 : 1;
+        if (d[1 - axis] <= kOnCrease * d[axis]) pole_axis_[i] = pole_axis_[next] = static_cast<std::int8_t>(axis);
+      }
   }
 
   void add_border_node(std::uint32_t point, const UV& uv) {
@@ -105,11 +122,20 @@ class FaceMesher {
   void constrain(std::uint32_t a, std::uint32_t b, const BorderSegment& segment) {
     if (a == b) return;
     if (const auto hit = triangulation_->constrain(a, b)) {
-      mesh_.to_split.push_back(segment.at);
-      if (const auto other = border_.find(key_of((*hit)[0], (*hit)[1])); other != border_.end()) mesh_.to_split.push_back(other->second.at);
+      const auto other = border_.find(key_of((*hit)[0], (*hit)[1]));
+      bool asked = ask_for(segment, a, b);
+      if (other != border_.end()) asked = ask_for(other->second, (*hit)[0], (*hit)[1]) || asked;
+      mesh_.crossings += !asked;
       return;
     }
     border_[key_of(a, b)] = segment;
+  }
+
+  // Asks for a finer segment, unless it is so short already that this would not help.
+  bool ask_for(const BorderSegment& segment, std::uint32_t a, std::uint32_t b) {
+    if (policy_.borders_are_final || glm::length(placed(a) - placed(b)) < kLeastSegment * policy_.distance) return false;
+    mesh_.to_split.push_back(segment.at);
+    return true;
   }
 
   // A segment that runs through another vertex is no side of a triangle.
@@ -124,8 +150,8 @@ class FaceMesher {
     for (const auto& [key, segment] : border_)
       if (std::binary_search(sides.begin(), sides.end(), key))
         ++found;
-      else
-        mesh_.to_split.push_back(segment.at);
+      else if (!ask_for(segment, static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)))
+        ++mesh_.crossings;
   }
 
   // ---- points inside ----
@@ -228,6 +254,10 @@ class FaceMesher {
            border_.count(key_of(t.v[static_cast<std::size_t>((k + 1) % 3)], t.v[static_cast<std::size_t>((k + 2) % 3)]));
   }
 
+  bool is_collapsed(const Corners& t) const {
+    return same_point(t.v[0], t.v[1]) || same_point(t.v[1], t.v[2]) || same_point(t.v[2], t.v[0]);
+  }
+
   double sliver_of(const Corners& t) const {
     double sliver = 0;
     for (int k = 0; k < 3; ++k)
@@ -239,7 +269,15 @@ class FaceMesher {
   }
 
   FaceShape::Verdict verdict_of(const Corners& t, double most) const {
-    return shape_.keeps(corner(t.v[0]), corner(t.v[1]), corner(t.v[2]), most);
+    // Two corners at one pole: the triangle is a segment, and its neighbours cover what lies over it.
+    if (is_collapsed(t)) return {true, 0};
+    std::array<SurfaceCorner, 3> c{corner(t.v[0]), corner(t.v[1]), corner(t.v[2])};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t n = node_of_[t.v[k]];
+      const int axis = n < mesh_.border ? pole_axis_[n] : -1;
+      if (axis >= 0) c[k].uv[axis] = 0.5 * (c[(k + 1) % 3].uv[axis] + c[(k + 2) % 3].uv[axis]);
+    }
+    return shape_.keeps(c[0], c[1], c[2], most);
   }
 
   bool turns_too_far(const Corners& t) const {
@@ -255,7 +293,7 @@ class FaceMesher {
   // Whether a triangle is beyond what it is allowed and needs a point.
   bool exceeds(const Corners& t) const {
     const double most = policy_.distance - sliver_of(t);
-    return !verdict_of(t, most).within || turns_too_far(t);
+    return !verdict_of(t, most).within || turns_too_far(t) || is_folded(t);
   }
 
   void refine() {
@@ -263,14 +301,48 @@ class FaceMesher {
     for (std::uint32_t i = 0; i < triangulation_->triangles().size(); ++i)
       if (triangulation_->triangles()[i].inside) work.push_back(i);
     std::size_t inserted = 0;
+    std::vector<std::uint32_t> left;  // still beyond what is allowed, perhaps
     const std::size_t most = 1000000 + 100 * mesh_.nodes.size();
     for (std::size_t i = 0; i < work.size() && inserted < most; ++i) {
       const Corners t = triangulation_->triangles()[work[i]];
       if (!t.inside || !exceeds(t)) continue;
-      if (!divide(t)) continue;
+      if (!divide(t)) {
+        left.push_back(work[i]);
+        continue;
+      }
       ++inserted;
       for (std::uint32_t changed : triangulation_->changed())
         if (triangulation_->triangles()[changed].inside) work.push_back(changed);
+    }
+    if (mesh_.to_split.empty() && !policy_.borders_are_final) ask_for_borders(left);
+  }
+
+  // Whether the surface's normal turns by more than a right angle along a side on the border: only a finer border helps.
+  bool has_turning_border(const Corners& t) const {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 &a = node(t.v[static_cast<std::size_t>((k + 1) % 3)]).normal, &b = node(t.v[static_cast<std::size_t>((k + 2) % 3)]).normal;
+      if (is_border(t, k) && glm::dot(a, b) < 0) return true;
+    }
+    return false;
+  }
+
+  // A triangle turned against the surface that no point inside can mend needs a finer border.
+  void ask_for_borders(const std::vector<std::uint32_t>& triangles) {
+    for (std::uint32_t i : triangles) {
+      const Corners& t = triangulation_->triangles()[i];
+      if (!t.inside || !is_folded(t)) continue;
+      int best = -1;
+      double longest = kLeastSize * policy_.distance;
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t a = t.v[static_cast<std::size_t>((k + 1) % 3)], b = t.v[static_cast<std::size_t>((k + 2) % 3)];
+        const double length = glm::length(placed(a) - placed(b));
+        if (!is_border(t, k) || length <= longest) continue;
+        longest = length;
+        best = k;
+      }
+      if (best < 0) continue;
+      mesh_.to_split.push_back(
+          border_.at(key_of(t.v[static_cast<std::size_t>((best + 1) % 3)], t.v[static_cast<std::size_t>((best + 2) % 3)])).at);
     }
   }
 
@@ -281,6 +353,8 @@ class FaceMesher {
       longest3 = std::max(longest3,
                           glm::length(corner(t.v[static_cast<std::size_t>(k)]).S - corner(t.v[static_cast<std::size_t>((k + 1) % 3)]).S));
     if (longest3 < kLeastSize * policy_.distance) return false;
+    const bool folded = is_folded(t);
+    if (folded && has_turning_border(t)) return false;
     // Sides of the border are not split here: a collapsed one that is too long is asked for, else the longest other side takes the point.
     int best = -1;
     double longest = 0;
@@ -288,9 +362,9 @@ class FaceMesher {
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t a = t.v[static_cast<std::size_t>((k + 1) % 3)], b = t.v[static_cast<std::size_t>((k + 2) % 3)];
       const Vec2 d = points[a] - points[b];
-      const double length = glm::dot(d, d);
+      const double length = folded ? glm::length(placed(a) - placed(b)) : glm::dot(d, d);
       if (length <= longest) continue;
-      if (is_border(t, k) && (length < 1 || !border_.at(key_of(a, b)).degenerate)) continue;
+      if (is_border(t, k) && !folded && (length < 1 || !border_.at(key_of(a, b)).degenerate)) continue;
       longest = length;
       best = k;
     }
@@ -299,6 +373,8 @@ class FaceMesher {
       uv = (node(t.v[0]).uv + node(t.v[1]).uv + node(t.v[2]).uv) / 3.0;
     } else {
       const std::uint32_t a = t.v[static_cast<std::size_t>((best + 1) % 3)], b = t.v[static_cast<std::size_t>((best + 2) % 3)];
+      if (is_border(t, best) && folded) return false;  // only a finer border helps
+      if (is_border(t, best) && policy_.borders_are_final) return false;
       if (is_border(t, best)) {
         mesh_.to_split.push_back(border_.at(key_of(a, b)).at);
         return false;
@@ -317,11 +393,11 @@ class FaceMesher {
   void collect_triangles() {
     for (const Corners& t : triangulation_->triangles()) {
       if (!t.inside) continue;
-      const double sliver = sliver_of(t), bound = verdict_of(t, policy_.distance - sliver).bound + sliver;
-      if (same_point(t.v[0], t.v[1]) || same_point(t.v[1], t.v[2]) || same_point(t.v[2], t.v[0])) {
+      if (is_collapsed(t)) {
         ++mesh_.collapsed;
         continue;
       }
+      const double sliver = sliver_of(t), bound = verdict_of(t, policy_.distance - sliver).bound + sliver;
       mesh_.bound = std::max(mesh_.bound, bound);
       mesh_.unresolved += bound > policy_.distance;
       mesh_.folded += is_folded(t);
@@ -331,11 +407,12 @@ class FaceMesher {
     }
   }
 
+  // Whether it is turned away from the mean of the surface's normals at its corners.
   bool is_folded(const Corners& t) const {
+    if (is_collapsed(t)) return false;
     Vec3 n = glm::cross(placed(t.v[1]) - placed(t.v[0]), placed(t.v[2]) - placed(t.v[0]));
     if (shape_.face().reversed) n = -n;
-    const Vec3 mean = node(t.v[0]).normal + node(t.v[1]).normal + node(t.v[2]).normal;
-    return !(glm::dot(n, mean) > 0);
+    return !(glm::dot(n, node(t.v[0]).normal + node(t.v[1]).normal + node(t.v[2]).normal) > 0);
   }
 
   const FaceShape& shape_;
@@ -347,6 +424,7 @@ class FaceMesher {
   Vec2 scale_{1.0};
   std::vector<BorderSegment> segments_;  // from border node i to the next of its loop
   std::vector<std::pair<std::size_t, std::size_t>> loop_ends_;
+  std::vector<std::int8_t> pole_axis_;  // of border nodes: the parameter that has no meaning there, -1 where both have
   std::vector<Point3> surface_points_;  // of the nodes: on this face's own surface
   std::optional<Triangulation> triangulation_;
   std::vector<std::uint32_t> node_of_;  // of each vertex of the triangulation

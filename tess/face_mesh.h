@@ -8,8 +8,9 @@
 namespace iso {
 
 struct FacePolicy {
-  double distance = 0;  // world units
-  double angle = kInf;  // radians: between the surface's normals at any two corners of a triangle
+  double distance = 0;             // world units
+  double angle = kInf;             // radians: between the surface's normals at any two corners of a triangle
+  bool borders_are_final = false;  // ask for no finer edges: what crosses is counted and left out
 };
 
 // A segment of the edge net: between the samples `segment` and `segment + 1`.

@@ -1,5 +1,7 @@
 #include "tess/face_shape.h"
 
+#include "tess/triangle_division.h"
+
 namespace iso {
 
 namespace {
@@ -69,7 +71,7 @@ namespace {
 
 // A domain that reaches beyond a knot by rounding only ends at that knot.
 Box2 bend_domain(const Face& face) {
-  constexpr double kRounding = 1e-9;
+  constexpr double kRounding = 1e-7;
   Box2 box = face.domain;
   const auto* nurbs = std::get_if<NurbsSurface>(&face.surface);
   if (!nurbs) return box;
@@ -85,15 +87,13 @@ Box2 bend_domain(const Face& face) {
 
 }  // namespace
 
-FaceShape::FaceShape(const Face& face, double tolerance) : face_(&face), bend_(face.surface, bend_domain(face), tolerance) {}
+FaceShape::FaceShape(const Face& face, double tolerance)
+    : face_(&face), eval_(face.surface), bend_(face.surface, bend_domain(face), tolerance) {}
 
-double FaceShape::general_bound(const std::array<UV, 3>& uv, double longest) const {
-  Box2 box;
-  for (const UV& p : uv) box.include(p);
-  const BoxBend bend = bend_.over(box);
+double bound_in(const BoxBend& bend, const std::array<UV, 3>& uv, double longest) {
+  const Vec2 extent = glm::max(glm::max(uv[0], uv[1]), uv[2]) - glm::min(glm::min(uv[0], uv[1]), uv[2]);
   const std::array<Vec2, 3> d{uv[1] - uv[0], uv[2] - uv[1], uv[0] - uv[2]};
   // Where the first derivative jumps in size or direction, but not out of the tangent plane, S strays from L along the surface only.
-  const Vec2 extent = box.size();
   const double jump = kink_of(bend, extent);
   const double size = largest_of_form(form_size(bend, d[0]), form_size(bend, d[1]), form_size(bend, d[2])) + jump;
   if (!(bend.curvature * size <= kMostShift)) return size;
@@ -114,6 +114,16 @@ double FaceShape::general_bound(const std::array<UV, 3>& uv, double longest) con
   return with_shift(along, size, bend.curvature);
 }
 
+namespace {
+
+double general_bound(const BendTree& tree, const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c) {
+  Box2 box;
+  for (const UV& p : {a.uv, b.uv, c.uv}) box.include(p);
+  return bound_in(tree.over(box), {a.uv, b.uv, c.uv}, longest_side(a, b, c));
+}
+
+}  // namespace
+
 double FaceShape::triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c) const {
   const std::array<UV, 3> uv{a.uv, b.uv, c.uv};
   if (std::holds_alternative<Plane>(face_->surface)) return 0;
@@ -126,71 +136,7 @@ double FaceShape::triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b,
     if (least >= -slack || most <= slack)  // all on one half of the cone
       return std::max(std::abs(most), std::abs(least)) * cap_of_arc(width_of(uv)) * std::cos(s->half_angle);
   }
-  return general_bound(uv, std::max({glm::length(a.S - b.S), glm::length(b.S - c.S), glm::length(c.S - a.S)}));
-}
-
-// The point of the surface nearest to x, by one or two steps from (u, v): any point of the surface bounds the distance from above.
-SurfaceCorner FaceShape::foot(const Point3& x, UV uv, double& distance) const {
-  SurfaceCorner best{uv, {}};
-  Jet2 at = jet2(face_->surface, uv);
-  best.S = at.S;
-  distance = glm::length(x - at.S);
-  constexpr int kSteps = 2;
-  for (int i = 0; i < kSteps; ++i) {
-    const Vec3 r = x - at.S;
-    const double E = glm::dot(at.Su, at.Su), F = glm::dot(at.Su, at.Sv), G = glm::dot(at.Sv, at.Sv), det = E * G - F * F;
-    if (!(det > 1e-12 * E * G)) break;
-    const double bu = glm::dot(at.Su, r), bv = glm::dot(at.Sv, r);
-    const UV step((G * bu - F * bv) / det, (E * bv - F * bu) / det);
-    const UV next = glm::clamp(uv + step, face_->domain.lo, face_->domain.hi);
-    at = jet2(face_->surface, next);
-    const double d = glm::length(x - at.S);
-    if (!(d < distance)) break;
-    const bool enough = d > 0.98 * distance;
-    distance = d;
-    uv = next;
-    best = {uv, at.S};
-    if (enough) break;
-  }
-  return best;
-}
-
-FaceShape::Verdict FaceShape::divided(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most,
-                                      int levels) const {
-  const int n = 1 << levels;
-  // The grid's points by rows; corner points lie on the surface.
-  std::array<SurfaceCorner, 45> feet;
-  const auto index = [&](int i, int j) { return static_cast<std::size_t>(j * (n + 1) - j * (j - 1) / 2 + i); };
-  double worst = 0;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i + j <= n; ++i) {
-      SurfaceCorner& at = feet[index(i, j)];
-      if (i == n)
-        at = b;
-      else if (j == n)
-        at = c;
-      else if (i + j == 0)
-        at = a;
-      else {
-        const double y = double(i) / n, z = double(j) / n, x = 1 - y - z;
-        double distance = 0;
-        at = foot(x * a.S + y * b.S + z * c.S, x * a.uv + y * b.uv + z * c.uv, distance);
-        worst = std::max(worst, distance);
-        if (worst > most) return {false, worst};
-      }
-    }
-  double between = 0;
-  const auto add = [&](const SurfaceCorner& p, const SurfaceCorner& q, const SurfaceCorner& r) {
-    const double longest = std::max({glm::length(p.S - q.S), glm::length(q.S - r.S), glm::length(r.S - p.S)});
-    between = std::max(between, general_bound({p.uv, q.uv, r.uv}, longest));
-    return worst + between <= most;
-  };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i + j < n; ++i) {
-      if (!add(feet[index(i, j)], feet[index(i + 1, j)], feet[index(i, j + 1)])) return {false, worst + between};
-      if (i + j + 1 < n && !add(feet[index(i + 1, j)], feet[index(i + 1, j + 1)], feet[index(i, j + 1)])) return {false, worst + between};
-    }
-  return {true, worst + between};
+  return general_bound(bend_, a, b, c);
 }
 
 FaceShape::Verdict FaceShape::keeps(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most) const {
@@ -199,27 +145,19 @@ FaceShape::Verdict FaceShape::keeps(const SurfaceCorner& a, const SurfaceCorner&
   if (!std::holds_alternative<NurbsSurface>(face_->surface) && !std::holds_alternative<Extrusion>(face_->surface) &&
       !std::holds_alternative<Revolution>(face_->surface) && !std::holds_alternative<Torus>(face_->surface))
     return {false, quick};
-  constexpr int kLevels = 3;
-  Verdict verdict{false, quick};
-  for (int level = 1; level <= kLevels; ++level) {
-    verdict = divided(a, b, c, most, level);
-    // Not within, and a division more takes away no more than three quarters of what is not certain.
-    if (verdict.within) return verdict;
-    if (!(verdict.bound < kInf)) return verdict;
-  }
-  return verdict;
+  return TriangleDivision(*this, {a, b, c}, most).verdict(quick);
 }
 
 double FaceShape::segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const {
   if (std::holds_alternative<Sphere>(face_->surface)) {
     // A straight line in (u, v) is no great arc: the general bound.
-    return general_bound({a.uv, b.uv, b.uv}, glm::length(a.S - b.S));
+    return general_bound(bend_, a, b, b);
   }
   return triangle_bound(a, b, b);
 }
 
 Vec2 FaceShape::speed(const Box2& uv) const {
-  const Jet2 at = jet2(face_->surface, uv.middle());
+  const TangentJet at = eval_.at(uv.middle());
   const BoxBend bend = bend_.over(uv);
   const Vec2 half = 0.5 * uv.size();
   return {glm::length(at.Su) + bend.Muu * half.x + bend.Muv * half.y + bend.kink_u,
@@ -227,7 +165,7 @@ Vec2 FaceShape::speed(const Box2& uv) const {
 }
 
 FaceShape::Placed FaceShape::place(UV uv) const {
-  const Jet2 at = jet2(face_->surface, uv);
+  const TangentJet at = eval_.at(uv);
   const Vec3 cross = glm::cross(at.Su, at.Sv);
   const double area = glm::length(cross);
   // Near a pole the limit from inside decides.

@@ -11,6 +11,7 @@
 
 #include "patches/bend.h"
 #include "patches/brep.h"
+#include "tess/surface_eval.h"
 
 namespace iso {
 
@@ -27,6 +28,7 @@ class FaceShape {
 
   const Face& face() const { return *face_; }
   const BendTree& bend() const { return bend_; }
+  const SurfaceEval& eval() const { return eval_; }
 
   // World units: no point of the triangle is farther from the surface, and no point of the surface over a, b, c farther from the triangle
   // and its neighbours. Infinite where nothing is proven. Closed forms for planes, cylinders, cones and spheres.
@@ -56,12 +58,18 @@ class FaceShape {
   Placed place(UV uv) const;
 
  private:
-  Verdict divided(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most, int levels) const;
-  SurfaceCorner foot(const Point3& x, UV uv, double& distance) const;
-  double general_bound(const std::array<UV, 3>& uv, double longest) const;
-
   const Face* face_;
+  SurfaceEval eval_;
   BendTree bend_;
 };
+
+// World units.
+inline double longest_side(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c) {
+  const Vec3 ab = a.S - b.S, bc = b.S - c.S, ca = c.S - a.S;
+  return std::sqrt(std::max({glm::dot(ab, ab), glm::dot(bc, bc), glm::dot(ca, ca)}));
+}
+
+// Bound of the triangle over three corners in a region that bends like this; `longest`: its longest side, world units.
+double bound_in(const BoxBend& bend, const std::array<UV, 3>& uv, double longest);
 
 }  // namespace iso

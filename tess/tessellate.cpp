@@ -18,7 +18,7 @@ namespace {
 constexpr double kEdgeShare = 0.8;
 
 // Rounds after which what still touches or crosses is left as it is.
-constexpr int kMostRounds = 24;
+constexpr int kMostRounds = 16;
 
 using Side = std::uint64_t;  // two points
 Side side_of(std::uint32_t a, std::uint32_t b) { return (static_cast<Side>(std::min(a, b)) << 32) | std::max(a, b); }
@@ -47,14 +47,16 @@ class PartMesher {
       dirty = split_wanted();
       if (dirty.empty()) dirty = part_touching();
     }
+    // What still asks for finer edges after so many rounds has loops that lie on each other: it is meshed as it is, and says so.
+    if (!dirty.empty()) mesh_faces({dirty.begin(), dirty.end()}, true);
     PartTessellation result = assembled();
     result.rounds = round;
     return result;
   }
 
  private:
-  void mesh_faces(const std::vector<int>& which) {
-    const FacePolicy policy{options_.distance, options_.angle};
+  void mesh_faces(const std::vector<int>& which, bool borders_are_final = false) {
+    const FacePolicy policy{options_.distance, options_.angle, borders_are_final};
     tbb::parallel_for(std::size_t{0}, which.size(), [&](std::size_t i) {
       const auto f = static_cast<std::size_t>(which[i]);
       faces_[f] = mesh_face(shapes_[f], boundary_.loops[f], boundary_, *net_, policy, extra_[f]);
@@ -180,7 +182,20 @@ class PartMesher {
       result.faces.push_back(report_of(face));
       face = {};
     }
+    add_free_sides(number, result.free_sides);
     return result;
+  }
+
+  void add_free_sides(const std::vector<std::uint32_t>& number, std::vector<std::array<std::uint32_t, 2>>& sides) const {
+    for (std::size_t e = 0; e < boundary_.edges.size(); ++e) {
+      if (boundary_.edges[e].degenerate || boundary_.edges[e].uses.size() != 1) continue;
+      const auto& points = net_->edge(static_cast<int>(e)).point;
+      for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        const std::uint32_t a = number[points[i]], b = number[points[i + 1]];
+        sides.push_back({std::min(a, b), std::max(a, b)});
+      }
+    }
+    std::sort(sides.begin(), sides.end());
   }
 
   static FaceReport report_of(const FaceMesh& face) {

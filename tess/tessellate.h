@@ -3,7 +3,9 @@
 // are meshed again.
 #pragma once
 
+#include <array>
 #include <string>
+#include <vector>
 
 #include "patches/brep.h"
 #include "patches/triangle_mesh.h"
@@ -31,7 +33,10 @@ struct FaceReport {
 struct PartTessellation {
   PartMesh mesh;
   std::vector<FaceReport> faces;
-  int rounds = 0;            // times that faces were meshed again for want of samples on edges
+  int rounds = 0;  // times that faces were meshed again for want of samples on edges
+  // The sides of triangles that lie on edges of one face only, as pairs of points (the smaller index first), sorted: where the model itself
+  // ends the mesh ends too, and every other open side is a crack.
+  std::vector<std::array<std::uint32_t, 2>> free_sides;
   int unresolved_edges = 0;  // segments of edges beyond the tolerance that could not be divided
 };
 
