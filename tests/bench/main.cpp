@@ -104,6 +104,8 @@ int run(int argc, char** argv) {
                              fmt::join(scene_names, " "), fmt::join(kRaySets, " "), kTrimQueries, kBrlCad, kTessellators));
   TessellatorOptions tessellators;
   app.add_option("--model", tessellators.models, "of tessellators: a file's name; may be repeated [all]");
+  app.add_flag_callback(
+      "--ours", [&] { tessellators.rivals = Rivals::left_out; }, "of tessellators: without Open CASCADE's");
   app.add_flag("--json", json, "print one JSON document instead of the table");
   auto* quick =
       app.add_flag("--quick", options.quick,

@@ -83,7 +83,6 @@ struct Cost {
 };
 template <class Work>
 Cost cost_of(const Work& work) {
-  malloc_trim(0);
   rusage used{};
   ::getrusage(RUSAGE_SELF, &used);
   const auto limit = static_cast<rlim_t>(std::ceil(kMostMeshSeconds)) + static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec);
@@ -201,6 +200,26 @@ void read_told(const Json& json, TessellatorRow& r) {
 // Long enough for any measurement: what is too long is the mesher's CPU time.
 constexpr double kMostChildSeconds = 3600;
 
+// Memory that is free before the fork would count as taken in the child.
+template <class Work>
+test::ChildResult run_measured(const Work& work) {
+  malloc_trim(0);
+  test::ChildLimits limits;
+  limits.seconds = kMostChildSeconds;
+  return test::run_in_child(
+      [&] {
+        std::cout << work().dump() << std::flush;
+        return 0;
+      },
+      {}, limits);
+}
+
+double mesh_seconds(MeshedModel& model, double tolerance, Mesher mesher) {
+  const double distance = tolerance * model.theirs.diagonal();
+  if (mesher != Mesher::ours) return model.theirs.mesh(distance, algorithm_of(mesher));
+  return seconds_of([&] { tessellated(model.ours, distance); });
+}
+
 }  // namespace
 
 const char* name_of(Mesher mesher) {
@@ -217,12 +236,6 @@ Result<MeshedModel> read_meshed_model(const std::string& name, const std::string
   }
 }
 
-double mesh_seconds(MeshedModel& model, double tolerance, Mesher mesher) {
-  const double distance = tolerance * model.theirs.diagonal();
-  if (mesher != Mesher::ours) return model.theirs.mesh(distance, algorithm_of(mesher));
-  return seconds_of([&] { tessellated(model.ours, distance); });
-}
-
 TessellatorRow measured_in_child(MeshedModel& model, double tolerance, Mesher mesher, std::uint64_t sampled_triangles) {
   TessellatorRow row;
   row.model = model.name;
@@ -230,22 +243,32 @@ TessellatorRow measured_in_child(MeshedModel& model, double tolerance, Mesher me
   row.tolerance = tolerance;
   row.mesher = mesher;
   const double distance = tolerance * model.theirs.diagonal();
-  const auto work = [&] {
+  const test::ChildResult child = run_measured([&] {
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
     if (mesher == Mesher::ours)
       measure_ours(row, model.ours, distance, sampled_triangles);
     else
       measure_theirs(row, model.theirs, distance, sampled_triangles);
-    std::cout << told(row).dump() << std::flush;
-    return 0;
-  };
-  test::ChildLimits limits;
-  limits.seconds = kMostChildSeconds;
-  const test::ChildResult child = test::run_in_child(work, {}, limits);
+    return told(row);
+  });
   if (child.code == 0)
     read_told(Json::parse(child.out), row);
   else
     row.failure = child.signal == SIGXCPU ? fmt::format("more than {} s", kMostMeshSeconds) : child.summary();
   return row;
+}
+
+std::vector<std::vector<double>> seconds_in_turns(MeshedModel& model, double tolerance, std::span<const Mesher> meshers, int rounds) {
+  const test::ChildResult child = run_measured([&] {
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    Json seconds = Json::array();
+    for (std::size_t i = 0; i < meshers.size(); ++i) seconds.push_back(Json::array());
+    for (int round = 0; round < rounds; ++round)
+      for (std::size_t i = 0; i < meshers.size(); ++i) seconds[i].push_back(mesh_seconds(model, tolerance, meshers[i]));
+    return seconds;
+  });
+  if (child.code != 0) return std::vector<std::vector<double>>(meshers.size());
+  return Json::parse(child.out).get<std::vector<std::vector<double>>>();
 }
 
 std::optional<ThreadTimes> thread_times(MeshedModel& model, double tolerance, int runs) {
@@ -256,18 +279,14 @@ std::optional<ThreadTimes> thread_times(MeshedModel& model, double tolerance, in
     tessellated(model.ours, distance);
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  const auto work = [&] {
+  const test::ChildResult child = run_measured([&] {
     ThreadTimes times{kInf, kInf};
     for (int i = 0; i < runs; ++i) {
-      times.one = std::min(times.one, wall(1));
       times.two = std::min(times.two, wall(2));
+      times.one = std::min(times.one, wall(1));
     }
-    std::cout << Json{times.one, times.two}.dump() << std::flush;
-    return 0;
-  };
-  test::ChildLimits limits;
-  limits.seconds = kMostChildSeconds;
-  const test::ChildResult child = test::run_in_child(work, {}, limits);
+    return Json{times.one, times.two};
+  });
   if (child.code != 0) return std::nullopt;
   const Json json = Json::parse(child.out);
   return ThreadTimes{json.at(0).get<double>(), json.at(1).get<double>()};

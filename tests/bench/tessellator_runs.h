@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -63,11 +64,13 @@ struct TessellatorRow {
 
 inline constexpr double kMostMeshSeconds = 60;  // CPU: runs are ended then
 
-// CPU seconds of one run in this process.
-double mesh_seconds(MeshedModel& model, double tolerance, Mesher mesher);
-
+// This process never uses threads itself, so that its children may.
+//
 // Runs, measures and verifies in a child process.
 TessellatorRow measured_in_child(MeshedModel& model, double tolerance, Mesher mesher, std::uint64_t sampled_triangles);
+
+// CPU seconds of runs of these meshers, in rounds that take turns, in one child process; by mesher. Empty if that fails.
+std::vector<std::vector<double>> seconds_in_turns(MeshedModel& model, double tolerance, std::span<const Mesher> meshers, int rounds);
 
 // Wall-clock seconds of our tessellator with one thread and with two, the least of some runs that take turns; in a child process.
 struct ThreadTimes {

@@ -1,7 +1,6 @@
 #include "tests/bench/tessellators.h"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include <iostream>
 
@@ -26,18 +25,18 @@ constexpr int kScalingRuns = 3;
 
 std::string name_of_file(const char* file) { return std::filesystem::path(file).filename(); }
 
-// The meshers take turns; each keeps the median.
+// Those whose first run was short take turns; each keeps the median.
 void take_turns(MeshedModel& model, std::span<TessellatorRow> rows, int rounds) {
-  std::vector<std::vector<double>> seconds(rows.size());
-  for (int round = 0; round < rounds; ++round)
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const TessellatorRow& row = rows[i];
-      if (row.failure.empty() && row.seconds <= kLongSeconds) seconds[i].push_back(mesh_seconds(model, row.tolerance, row.mesher));
-    }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  std::vector<Mesher> meshers;
+  std::vector<TessellatorRow*> timed;
+  for (TessellatorRow& row : rows)
+    if (row.failure.empty() && row.seconds <= kLongSeconds) meshers.push_back(row.mesher), timed.push_back(&row);
+  if (timed.empty()) return;
+  const auto seconds = seconds_in_turns(model, timed.front()->tolerance, meshers, rounds);
+  for (std::size_t i = 0; i < timed.size(); ++i) {
     if (seconds[i].empty()) continue;
-    rows[i].seconds = median(seconds[i]);
-    rows[i].runs = rounds;
+    timed[i]->seconds = median(seconds[i]);
+    timed[i]->runs = rounds;
   }
 }
 
@@ -53,12 +52,26 @@ void tell(const TessellatorRow& r) {
   fmt::print(stderr, "\n");
 }
 
+TessellatorRow left_out(const MeshedModel& model, double tolerance, Mesher mesher) {
+  TessellatorRow row;
+  row.model = model.name;
+  row.faces = model.theirs.faces();
+  row.tolerance = tolerance;
+  row.mesher = mesher;
+  row.failure = "left out";
+  return row;
+}
+
 void measure_rows(MeshedModel& model, const TessellatorOptions& options, TessellatorResults& results) {
   for (const double tolerance : options.tolerances) {
     std::vector<TessellatorRow> rows;
-    for (const Mesher mesher : kMeshers) rows.push_back(measured_in_child(model, tolerance, mesher, options.sampled_triangles));
+    for (const Mesher mesher : kMeshers) {
+      const bool wanted = mesher == Mesher::ours || options.rivals == Rivals::measured;
+      rows.push_back(wanted ? measured_in_child(model, tolerance, mesher, options.sampled_triangles) : left_out(model, tolerance, mesher));
+    }
     take_turns(model, rows, options.rounds);
-    for (const TessellatorRow& row : rows) tell(row);
+    for (const TessellatorRow& row : rows)
+      if (row.mesher == Mesher::ours || options.rivals == Rivals::measured) tell(row);
     results.rows.insert(results.rows.end(), rows.begin(), rows.end());
   }
 }
@@ -91,13 +104,11 @@ Result<TessellatorResults> measure_tessellators(const TessellatorOptions& option
       continue;
     }
     fmt::print(stderr, "measuring {} ...\n", name);
-    std::optional<tbb::global_control> one_thread(std::in_place, tbb::global_control::max_allowed_parallelism, 1);
     auto model = read_meshed_model(name, *dir / file);
     if (!model) return model.error();
     if (std::abs(std::log(box_of(model->ours).diagonal() / model->theirs.diagonal())) > 0.05)
       fmt::print(stderr, "  the boxes differ: {:g} and {:g}\n", box_of(model->ours).diagonal(), model->theirs.diagonal());
     measure_rows(*model, options, results);
-    one_thread.reset();
     measure_scaling(*model, options, results);
   }
   return results;

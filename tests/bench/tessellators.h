@@ -7,7 +7,10 @@
 
 namespace iso::bench {
 
+enum class Rivals { measured, left_out };
+
 struct TessellatorOptions {
+  Rivals rivals = Rivals::measured;
   std::vector<std::string> models;                         // empty: all
   std::vector<double> tolerances{1e-2, 1e-3, 1e-4, 1e-5};  // shares of the diagonal
   int rounds = 5;                                          // of each mesher, in turns; one for a mesher whose first run takes long
@@ -30,7 +33,7 @@ struct TessellatorResults {
 // The names of the models, files of the package occt-misc.
 std::vector<std::string> tessellator_models();
 
-// Tells on standard error what it does. Must run before anything uses more threads than one. Errors: a model cannot be read.
+// Tells on standard error what it does. Must run before anything uses threads. Errors: a model cannot be read.
 Result<TessellatorResults> measure_tessellators(const TessellatorOptions& options);
 
 }  // namespace iso::bench
