@@ -120,6 +120,17 @@ Must must_be_compact(const std::vector<Trio>& trios) {
   return must;
 }
 
+Must must_end(const TessellatorResults& results, Mesher mesher) {
+  Must must{fmt::format("{}: a mesh within {} s of CPU time", name_of(mesher), kMostMeshSeconds), 0, 0, {}};
+  for (const TessellatorRow& row : results.rows) {
+    if (row.mesher != mesher || row.failure == kLeftOut) continue;
+    ++must.cases;
+    must.held += row.failure.empty();
+    if (!row.failure.empty()) must.not_held.push_back(fmt::format("{}: {}", place_of(row), row.failure));
+  }
+  return must;
+}
+
 // The same for each mesher, so that they can be compared.
 Must must_be(const TessellatorResults& results, Mesher mesher, const char* about, double most,
              const std::function<double(const TessellatorRow&)>& value) {
@@ -214,6 +225,7 @@ std::vector<Must> musts_of(const TessellatorResults& results) {
     const auto add = [&](const char* about, double most, const std::function<double(const TessellatorRow&)>& value) {
       musts.push_back(must_be(results, mesher, about, most, value));
     };
+    musts.push_back(must_end(results, mesher));
     add("less than 1 % of the triangles with an angle under 1 degree", kMostSlivers, [](auto& r) { return r.sliver_share(); });
     add("no non-manifold edges", 0, [](auto& r) { return static_cast<double>(r.non_manifold_edges); });
     add("no triangles without area", 0, [](auto& r) { return static_cast<double>(r.zero_area); });

@@ -58,7 +58,7 @@ TessellatorRow left_out(const MeshedModel& model, double tolerance, Mesher meshe
   row.faces = model.theirs.faces();
   row.tolerance = tolerance;
   row.mesher = mesher;
-  row.failure = "left out";
+  row.failure = kLeftOut;
   return row;
 }
 
