@@ -19,7 +19,7 @@ ProgressStyle style_for(const std::string& wanted) {
 
 }  // namespace
 
-Progress::Progress(const std::string& wanted) : style_(style_for(wanted)) {}
+Progress::Progress(const std::string& wanted, const char* counts) : style_(style_for(wanted)), counts_(counts) {}
 Progress::~Progress() { finish(); }
 
 void Progress::update(int done, int all) {
@@ -40,7 +40,7 @@ void Progress::update(int done, int all) {
   if (style_ == ProgressStyle::bar) print_bar(done, all);
   if (style_ == ProgressStyle::lines) fmt::print(stderr, "progress {} %\n", percent);
   if (style_ == ProgressStyle::json)
-    fmt::print(stderr, "{{\"event\":\"progress\",\"percent\":{},\"tiles\":{},\"of\":{},\"seconds\":{:.3f}}}\n", percent, done, all,
+    fmt::print(stderr, "{{\"event\":\"progress\",\"percent\":{},\"{}\":{},\"of\":{},\"seconds\":{:.3f}}}\n", percent, counts_, done, all,
                seconds(now - begin_));
 }
 

@@ -12,7 +12,8 @@ enum class ProgressStyle { bar, lines, json, none };
 class Progress {
  public:
   // `wanted`: "auto" (bar or lines, whichever stderr is), "json" or "none".
-  explicit Progress(const std::string& wanted);
+  // `counts`: what JSON calls the things that are counted.
+  explicit Progress(const std::string& wanted, const char* counts = "tiles");
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -30,6 +31,7 @@ class Progress {
   void print_bar(int done, int all);
 
   ProgressStyle style_;
+  const char* counts_;
   std::mutex mutex_;
   Clock::time_point begin_ = Clock::now(), last_ = begin_;
   int last_percent_ = -1;

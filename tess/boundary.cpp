@@ -1,5 +1,7 @@
 #include "tess/boundary.h"
 
+#include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace iso {
@@ -10,6 +12,14 @@ double parameter_at(const EdgeUse& use, double share) {
 }
 
 UV uv_at(const EdgeUse& use, double share) { return jet(use.curve.curve, parameter_at(use, share)).C; }
+
+EdgeUse part_of(const EdgeUse& use, double a, double b) {
+  EdgeUse part = use;
+  const double from = parameter_at(use, a), to = parameter_at(use, b);
+  part.curve.t0 = use.forward ? from : to;
+  part.curve.t1 = use.forward ? to : from;
+  return part;
+}
 
 namespace {
 
@@ -100,9 +110,97 @@ void add_sides(const Part& part, int face_index, Boundary& boundary) {
   boundary.loops.back().push_back(std::move(loop));
 }
 
+// Where a use ends the next of its loop begins: one vertex.
+void number_vertices(Boundary& boundary) {
+  Sets ends(2 * boundary.edges.size());
+  for (const auto& of_face : boundary.loops)
+    for (const auto& loop : of_face)
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const EdgeUse& a = boundary.uses[static_cast<std::size_t>(loop[i])];
+        const EdgeUse& b = boundary.uses[static_cast<std::size_t>(loop[(i + 1) % loop.size()])];
+        ends.join(2 * a.edge + (a.forward ? 1 : 0), 2 * b.edge + (b.forward ? 0 : 1));
+      }
+  for (std::size_t e = 0; e < boundary.edges.size(); ++e)
+    if (boundary.edges[e].degenerate) ends.join(static_cast<int>(2 * e), static_cast<int>(2 * e + 1));
+  std::vector<int> number(2 * boundary.edges.size(), -1);
+  for (std::size_t e = 0; e < boundary.edges.size(); ++e)
+    for (int k = 0; k < 2; ++k) {
+      int& n = number[static_cast<std::size_t>(ends.root(static_cast<int>(2 * e) + k))];
+      if (n < 0) n = boundary.vertex_count++;
+      boundary.edges[e].vertex[static_cast<std::size_t>(k)] = n;
+    }
+}
+
+// Up to this many tolerances edges are short: each end may have moved by two.
+constexpr double kShort = 4;
+
+double extent_of(const Part& part, const EdgeUse& use) {
+  double extent = 0;
+  for (int i = 1; i <= kMatches; ++i)
+    extent = std::max(extent, glm::length(place(part, use, static_cast<double>(i) / kMatches) - place(part, use, 0)));
+  return extent;
+}
+
+// A gap of this share of the part's size at a vertex is closed, whatever the tolerance.
+constexpr double kLargestGap = 1e-4;
+
+// Short edges whose ends are one vertex but do not lie together are points: gaps that a face closes with an edge of its own, or edges whose
+// neighbours were joined with edges that meet in one.
+void collapse_short_edges(const Part& part, Boundary& boundary) {
+  for (BoundaryEdge& edge : boundary.edges) {
+    if (edge.degenerate || edge.vertex[0] != edge.vertex[1]) continue;
+    const EdgeUse& use = boundary.uses[static_cast<std::size_t>(edge.uses[0])];
+    const double apart = glm::length(place(part, use, 1) - place(part, use, 0)), extent = extent_of(part, use);
+    // Edges that were closed before enclose something.
+    if (extent > std::max(kShort * boundary.joins.tolerance, kLargestGap * part.box.diagonal()) || apart < 0.5 * extent) continue;
+    edge.degenerate = true;
+    ++boundary.joins.collapsed;
+  }
+}
+
+// Short free edges between the same two vertices are one, for the same reason.
+void join_short_edges(const Part& part, Boundary& boundary) {
+  std::map<std::pair<int, int>, int> seen;
+  for (std::size_t e = 0; e < boundary.edges.size(); ++e) {
+    BoundaryEdge& edge = boundary.edges[e];
+    if (edge.degenerate || edge.uses.size() != 1 || edge.vertex[0] == edge.vertex[1]) continue;
+    EdgeUse& use = boundary.uses[static_cast<std::size_t>(edge.uses[0])];
+    if (extent_of(part, use) > kShort * boundary.joins.tolerance) continue;
+    const auto [known, is_new] = seen.try_emplace(std::minmax(edge.vertex[0], edge.vertex[1]), static_cast<int>(e));
+    if (is_new) continue;
+    BoundaryEdge& first = boundary.edges[static_cast<std::size_t>(known->second)];
+    if (first.vertex[0] != edge.vertex[0]) use.forward = !use.forward;
+    use.edge = known->second;
+    first.uses.push_back(edge.uses[0]);
+    edge.uses.clear();
+    seen.erase(known);
+    ++boundary.joins.joined;
+  }
+}
+
+// Leaves out edges without uses, and reports as open what still is.
+void compact(Boundary& boundary) {
+  std::vector<int> number(boundary.edges.size(), -1);
+  std::vector<BoundaryEdge> kept;
+  for (std::size_t e = 0; e < boundary.edges.size(); ++e) {
+    if (boundary.edges[e].uses.empty()) continue;
+    number[e] = static_cast<int>(kept.size());
+    kept.push_back(std::move(boundary.edges[e]));
+  }
+  for (EdgeUse& use : boundary.uses) use.edge = number[static_cast<std::size_t>(use.edge)];
+  boundary.edges = std::move(kept);
+  auto& open = boundary.joins.open;
+  for (OpenBorder& border : open) border.edge = number[static_cast<std::size_t>(border.edge)];
+  std::erase_if(open, [&](const OpenBorder& border) {
+    if (border.edge < 0) return true;
+    const BoundaryEdge& edge = boundary.edges[static_cast<std::size_t>(border.edge)];
+    return edge.degenerate || edge.uses.size() > 1;
+  });
+}
+
 }  // namespace
 
-Boundary::Boundary(const Part& part) {
+Boundary::Boundary(const Part& part, double sew) {
   std::vector<int> of_part_edge(part.edges.size(), -1);
   for (std::size_t f = 0; f < part.faces.size(); ++f) {
     const Face& face = part.faces[f];
@@ -133,31 +231,16 @@ Boundary::Boundary(const Part& part) {
       loops.back().push_back(std::move(indices));
     }
   }
-
-  // Where a use ends the next of its loop begins: one vertex.
-  Sets ends(2 * edges.size());
-  for (const auto& of_face : loops)
-    for (const auto& loop : of_face)
-      for (std::size_t i = 0; i < loop.size(); ++i) {
-        const EdgeUse& a = uses[static_cast<std::size_t>(loop[i])];
-        const EdgeUse& b = uses[static_cast<std::size_t>(loop[(i + 1) % loop.size()])];
-        ends.join(2 * a.edge + (a.forward ? 1 : 0), 2 * b.edge + (b.forward ? 0 : 1));
-      }
-  for (std::size_t e = 0; e < edges.size(); ++e)
-    if (edges[e].degenerate) ends.join(static_cast<int>(2 * e), static_cast<int>(2 * e + 1));
-  std::vector<int> number(2 * edges.size(), -1);
-  for (std::size_t e = 0; e < edges.size(); ++e)
-    for (int k = 0; k < 2; ++k) {
-      int& n = number[static_cast<std::size_t>(ends.root(static_cast<int>(2 * e) + k))];
-      if (n < 0) n = vertex_count++;
-      edges[e].vertex[static_cast<std::size_t>(k)] = n;
-    }
+  joins = join_edges(part, *this, sew);
+  number_vertices(*this);
+  collapse_short_edges(part, *this);
+  if (joins.joined == 0) return;
+  join_short_edges(part, *this);
+  compact(*this);
 }
 
-namespace {
-
 // Newton steps along the curve, clamped to [lo, hi]; downhill only.
-double slide(const Face& face, const EdgeUse& use, const Point3& p, double from, double lo, double hi) {
+double slide_share(const Face& face, const EdgeUse& use, const Point3& p, double from, double lo, double hi) {
   const double a = parameter_at(use, 0), b = parameter_at(use, 1);
   double best = from, least = kInf;
   constexpr int kSteps = 12;
@@ -177,17 +260,40 @@ double slide(const Face& face, const EdgeUse& use, const Point3& p, double from,
   return best;
 }
 
-}  // namespace
+namespace {
 
-double nearest_share(const Face& face, const EdgeUse& use, const Point3& p, double near, double within) {
-  const double lo = std::max(0.0, near - within), hi = std::min(1.0, near + within);
+// The curve of one use may run ahead of or behind that of another by this share of the edge.
+constexpr double kWithin = 0.25;
+
+double nearest_share(const Face& face, const EdgeUse& use, const Point3& p, double near) {
+  const double lo = std::max(0.0, near - kWithin), hi = std::min(1.0, near + kWithin);
   constexpr int kSteps = 8;
   double best = near, least = kInf;
   for (int i = 0; i <= kSteps; ++i) {
     const double s = lo + (hi - lo) * i / kSteps, d = glm::length(point(face.surface, uv_at(use, s)) - p);
     if (d < least) best = s, least = d;
   }
-  return slide(face, use, p, best, lo, hi);
+  return slide_share(face, use, p, best, lo, hi);
+}
+
+}  // namespace
+
+double own_share(const Face& face, const EdgeUse& use, const Point3& p, double share) {
+  if (share <= 0 || share >= 1) return share;
+  if (use.matched.empty()) return nearest_share(face, use, p, share);
+  const double steps = static_cast<double>(use.matched.size() - 1), at = share * steps;
+  const auto k = std::min(static_cast<std::size_t>(at), use.matched.size() - 2);
+  const double lo = use.matched[k], hi = use.matched[k + 1];
+  return slide_share(face, use, p, lo + (at - static_cast<double>(k)) * (hi - lo), lo, hi);
+}
+
+double first_share(const Face& face, const EdgeUse& first, const EdgeUse& use, const Point3& p, double own) {
+  if (own <= 0 || own >= 1) return own;
+  if (use.matched.empty()) return nearest_share(face, first, p, own);
+  const auto above = std::upper_bound(use.matched.begin() + 1, use.matched.end() - 1, own);
+  const double steps = static_cast<double>(use.matched.size() - 1), k = static_cast<double>(above - use.matched.begin() - 1);
+  const double from = *(above - 1), part = (own - from) / (*above - from);
+  return slide_share(face, first, p, (k + part) / steps, k / steps, (k + 1) / steps);
 }
 
 }  // namespace iso

@@ -9,9 +9,6 @@ namespace {
 // A segment is not split below this share of its edge.
 constexpr double kLeastShare = 1e-7;
 
-// The curve of one use may run ahead of or behind that of another by this share of the edge.
-constexpr double kWithin = 0.25;
-
 // Nearer than this share of the domain's width to a crease is on it.
 constexpr double kOnCrease = 1e-9;
 
@@ -21,8 +18,11 @@ constexpr double kOnePoint = 1e-6;
 // Pieces into which a segment is cut to bound its distance from the curve.
 constexpr int kPieces = 4;
 
-// How many segments are tried at once where the error's square law is trusted.
-constexpr double kTrustedRatio = 16;
+// Errors of more than this many times what is allowed say too little of how many segments are needed.
+constexpr double kTrustedRatio = 1e4;
+
+// Segments of equal length are kept if the least error among them is at least this share of the largest.
+constexpr double kEven = 0.5;
 
 // How far a point of a curve is from a chord, in all and along the surface that the curve lies on.
 struct Offset {
@@ -36,33 +36,48 @@ Offset offset_from_segment(const FaceShape::Placed& p, const Point3& a, const Po
   return {glm::length(r), glm::length(r - glm::dot(r, p.normal) * p.normal)};
 }
 
+// The largest share that the inner control points of a span have in a point of the curve: 1 - 2^(1 - degree) where all weights are one.
+double inner_share(const std::vector<Vec3>& points) {
+  double inner = 0;
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) inner = std::max(inner, weight(points[i]));
+  const double ends = std::min(weight(points.front()), weight(points.back()));
+  const double of_ends = std::exp2(2.0 - static_cast<double>(points.size())), of_inner = 1 - of_ends;
+  return inner * of_inner / (inner * of_inner + ends * of_ends);
+}
+
 // How far, at most, the curve strays from the line between its ends, as a displacement (|du|, |dv|) measured by `speed`: the control points
 // of its Bezier spans bound it.
 double sliver_of(const Curve2& curve, double t0, double t1, const UV& a, const UV& b, const Vec2& speed) {
   if (std::holds_alternative<Line<Vec2>>(curve) || t0 == t1) return 0;
   const Vec2 line = (b - a) * speed;
   const double length2 = glm::dot(line, line);
+  const auto off_line = [&](const Vec3& h) {
+    const Vec2 p = (project(h) - a) * speed;
+    const double s = length2 > 0 ? std::clamp(glm::dot(p, line) / length2, 0.0, 1.0) : 0.0;
+    const Vec2 off = p - s * line;
+    return std::abs(off.x) + std::abs(off.y);
+  };
   double worst = 0;
-  for (const auto& span : bezier_spans(curve, std::min(t0, t1), std::max(t0, t1)))
-    for (const Vec3& h : span.points) {
-      const Vec2 p = (project(h) - a) * speed;
-      const double s = length2 > 0 ? std::clamp(glm::dot(p, line) / length2, 0.0, 1.0) : 0.0;
-      const Vec2 off = p - s * line;
-      worst = std::max(worst, std::abs(off.x) + std::abs(off.y));
-    }
+  for (const auto& span : bezier_spans(curve, std::min(t0, t1), std::max(t0, t1))) {
+    const auto& h = span.points;
+    const double ends = std::max(off_line(h.front()), off_line(h.back()));
+    double inner = 0;
+    for (std::size_t i = 1; i + 1 < h.size(); ++i) inner = std::max(inner, off_line(h[i]));
+    worst = std::max(worst, ends + inner_share(h) * std::max(0.0, inner - ends));
+  }
   return worst;
 }
 
 // How far the curve of a use strays from its chord over a short piece: in (u, v) from the straight line, and over that line by the second
 // derivatives and the jumps of the first.
-double stray_of(const FaceShape& shape, const EdgeUse& use, double s0, double s1, const UV& from, const UV& to) {
+double stray_of(const FaceShape& shape, const Curve2& curve, double t0, double t1, const UV& from, const UV& to) {
   Box2 box;
   box.include(from);
   box.include(to);
   const BoxBend bend = shape.bend().over(box);
   const Vec2 d = glm::abs(to - from);
   const auto times = [](double m, double by) { return by == 0 ? 0.0 : m * by; };
-  return sliver_of(use.curve.curve, parameter_at(use, s0), parameter_at(use, s1), from, to, shape.speed(box)) +
+  return sliver_of(curve, t0, t1, from, to, shape.speed(box)) +
          (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, d.x * d.y) + times(bend.Mvv, d.y * d.y)) / 8 +
          (times(bend.kink_u, d.x) + times(bend.kink_v, d.y)) / 4;
 }
@@ -111,7 +126,7 @@ Point3 EdgeNet::place(int use, const UV& uv) const {
 
 UV EdgeNet::uv_on(int use, double share) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
-  UV uv = matched_uv(use, share);
+  UV uv = uv_at(u, share_on(use, share));
   // What is meant to be on a crease is on it.
   const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
   for (int axis = 0; axis < 2; ++axis)
@@ -120,15 +135,16 @@ UV EdgeNet::uv_on(int use, double share) const {
   return uv;
 }
 
-UV EdgeNet::matched_uv(int use, double share) const {
+// The use's own share at a share of the edge.
+double EdgeNet::share_on(int use, double share) const {
   const EdgeUse& u = boundary_->uses[static_cast<std::size_t>(use)];
-  if (u.shares_parameter || share == 0 || share == 1) return uv_at(u, share);
+  if (u.shares_parameter || share == 0 || share == 1) return share;
   for (const auto& [of_edge, own] : anchors_[static_cast<std::size_t>(use)])
-    if (share == of_edge) return uv_at(u, own);
+    if (share == of_edge) return own;
   // Matched to the edge's first use by distance.
   const int first = boundary_->edges[static_cast<std::size_t>(u.edge)].uses[0];
-  const Point3 p = place(first, matched_uv(first, share));
-  return uv_at(u, nearest_share(part_->faces[static_cast<std::size_t>(u.face)], u, p, share, kWithin));
+  const Point3 p = place(first, uv_at(boundary_->uses[static_cast<std::size_t>(first)], share));
+  return own_share(part_->faces[static_cast<std::size_t>(u.face)], u, p, share);
 }
 
 std::vector<double> EdgeNet::preferred_splits(int e) {
@@ -141,7 +157,7 @@ std::vector<double> EdgeNet::preferred_splits(int e) {
     const auto shared = [&](double s) {
       if (u.shares_parameter) return s;
       const EdgeUse& first = boundary_->uses[static_cast<std::size_t>(boundary_->edges[static_cast<std::size_t>(e)].uses[0])];
-      const double of_edge = nearest_share(part_->faces[static_cast<std::size_t>(first.face)], first, place(use, uv_at(u, s)), s, kWithin);
+      const double of_edge = first_share(part_->faces[static_cast<std::size_t>(first.face)], first, u, place(use, uv_at(u, s)), s);
       anchors_[static_cast<std::size_t>(use)].push_back({of_edge, s});
       return of_edge;
     };
@@ -188,7 +204,8 @@ SegmentError EdgeNet::error_of(int use, double a, double b) const {
     const double s0 = a + (b - a) * (i - 1) / kPieces, s1 = i == kPieces ? b : a + (b - a) * i / kPieces;
     const UV to_uv = i == kPieces ? uvb : uv_on(use, s1);
     const Offset to = i == kPieces ? Offset{} : offset_from_segment(shape.place(to_uv), A.S, B.S);
-    const double between = stray_of(shape, u, s0, s1, from_uv, to_uv);
+    const double between =
+        stray_of(shape, u.curve.curve, parameter_at(u, share_on(use, s0)), parameter_at(u, share_on(use, s1)), from_uv, to_uv);
     error.chord = std::max(error.chord, std::max(from.all, to.all) + between);
     error.sliver = std::max(error.sliver, std::max(from.along_surface, to.along_surface) + between);
     from_uv = to_uv;
@@ -230,6 +247,24 @@ double EdgeNet::split_at(int e, double a, double b) const {
   return best;
 }
 
+// Into how many equal parts a segment is cut: the fewest that are short enough where the edge bends evenly, so that a circle takes no
+// power of two; else 2.
+int EdgeNet::even_parts(int e, double a, double b, double over) const {
+  if (!(over < kTrustedRatio)) return 2;
+  constexpr int kTries = 4;
+  int parts = static_cast<int>(std::ceil(std::sqrt(over)));
+  for (int i = 0; i < kTries && parts > 2; ++i) {
+    Range errors;
+    const auto see = [&](int k) { errors.include(excess(e, a + (b - a) * k / parts, k + 1 == parts ? b : a + (b - a) * (k + 1) / parts)); };
+    for (const int k : {0, parts / 2, parts - 1}) see(k);  // these often tell
+    for (int k = 1; k + 1 < parts && errors.lo >= kEven * errors.hi; ++k) see(k);
+    if (errors.lo < kEven * errors.hi) return 2;
+    if (errors.hi <= 1) return parts;
+    parts = std::max(parts + 1, static_cast<int>(std::ceil(parts * std::sqrt(errors.hi))));
+  }
+  return parts;
+}
+
 void EdgeNet::sample(int e) {
   const BoundaryEdge& edge = boundary_->edges[static_cast<std::size_t>(e)];
   std::vector<double> shares{0.0};
@@ -246,7 +281,7 @@ void EdgeNet::sample(int e) {
       continue;
     }
     const double at = split_at(e, a, b);
-    const int parts = over < kTrustedRatio && at == 0.5 * (a + b) ? static_cast<int>(std::ceil(std::sqrt(over))) : 2;
+    const int parts = at == 0.5 * (a + b) ? even_parts(e, a, b, over) : 2;
     if (parts == 2) {
       stack.push_back(at);
     } else {

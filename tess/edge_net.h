@@ -48,11 +48,12 @@ class EdgeNet {
 
  private:
   UV uv_on(int use, double share) const;
-  UV matched_uv(int use, double share) const;
+  double share_on(int use, double share) const;
   Point3 place(int use, const UV& uv) const;
   SegmentError error_of(int use, double a, double b) const;
   double excess(int edge, double a, double b) const;
   bool turns_too_far(int use, double a, double b) const;
+  int even_parts(int edge, double a, double b, double over) const;
   void sample(int edge);
   void place_points(int edge);
   std::uint32_t point_at(const Point3& p, std::uint32_t before, std::uint32_t after);

@@ -57,11 +57,14 @@ std::vector<UV> images(const UV& uv, const Vec2& period) {
 
 using Stations = std::vector<std::pair<double, std::uint32_t>>;  // nodes by where they lie along a curve
 
-void pair_neighbours(Stations& stations, NodePairs& pairs) {
+// Nodes of one point in a row (where a closed curve ends, each is the other's image) are all neighbours of the next point's nodes.
+void pair_neighbours(Stations& stations, std::span<const MeshNode> nodes, NodePairs& pairs) {
   std::sort(stations.begin(), stations.end());
+  const auto point = [&](std::size_t i) { return nodes[stations[i].second].point; };
+  std::size_t before = 0, begin = 0;  // of the point before this one, and of this one
   for (std::size_t i = 1; i < stations.size(); ++i) {
-    const auto [a, b] = std::minmax(stations[i - 1].second, stations[i].second);
-    if (a != b) pairs.emplace(a, b);
+    if (point(i) != point(i - 1)) before = begin, begin = i;
+    for (std::size_t k = before; k < begin; ++k) pairs.emplace(std::minmax(stations[k].second, stations[i].second));
   }
 }
 
@@ -80,9 +83,22 @@ struct Spans {
   }
 };
 
-void pair_along(const TrimCurve& trim, const Vec2& period, double tolerance, std::span<const MeshNode> nodes, NodePairs& pairs) {
+// Curves of a loop may meet within the file's tolerance only, and the node there has the (u, v) of one of them: the nodes at `before` and
+// `after`, where its neighbours end and begin, count as its ends.
+void add_ends(const TrimCurve& trim, double spans, const UV& before, const UV& after, double tolerance, std::span<const MeshNode> nodes,
+              Stations& stations) {
+  const bool rises = trim.t0 < trim.t1;
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    if (glm::length(nodes[i].uv - before) <= tolerance) stations.emplace_back(rises ? 0 : spans, i);
+    if (glm::length(nodes[i].uv - after) <= tolerance) stations.emplace_back(rises ? spans : 0, i);
+  }
+}
+
+void pair_along(const TrimCurve& trim, const UV& before, const UV& after, const Vec2& period, double tolerance,
+                std::span<const MeshNode> nodes, NodePairs& pairs) {
   const Spans curve(trim);
   Stations stations;
+  add_ends(trim, static_cast<double>(curve.spans.size()), before, after, tolerance, nodes, stations);
   for (std::uint32_t i = 0; i < nodes.size(); ++i)
     for (const UV& uv : images(nodes[i].uv, period)) {
       std::vector<std::uint32_t> close;
@@ -92,7 +108,7 @@ void pair_along(const TrimCurve& trim, const Vec2& period, double tolerance, std
       for (const std::uint32_t s : close) near.search(curve.spans[s].points, s, s + 1.0);
       for (const Range& r : near.found()) stations.emplace_back(r.middle(), i);
     }
-  pair_neighbours(stations, pairs);
+  pair_neighbours(stations, nodes, pairs);
 }
 
 // The four sides of the domain, but those at which the surface closes.
@@ -104,7 +120,7 @@ void pair_along_domain(const Face& face, const Vec2& period, double tolerance, s
       Stations stations;
       for (std::uint32_t i = 0; i < nodes.size(); ++i)
         if (std::abs(nodes[i].uv[axis] - side) <= tolerance) stations.emplace_back(nodes[i].uv[1 - axis], i);
-      pair_neighbours(stations, pairs);
+      pair_neighbours(stations, nodes, pairs);
     }
   }
 }
@@ -117,8 +133,11 @@ NodePairs free_neighbours(const Face& face, std::span<const Edge> edges, std::sp
   const double tolerance = kOnBorder * face.domain.diagonal();
   if (face.loops.empty()) pair_along_domain(face, period, tolerance, nodes, pairs);
   for (const TrimLoop& loop : face.loops)
-    for (const TrimCurve& trim : loop.curves)
-      if (trim.edge >= 0 && edges[static_cast<std::size_t>(trim.edge)].uses == 1) pair_along(trim, period, tolerance, nodes, pairs);
+    for (std::size_t i = 0, n = loop.curves.size(); i < n; ++i) {
+      const TrimCurve &trim = loop.curves[i], &last = loop.curves[(i + n - 1) % n], &next = loop.curves[(i + 1) % n];
+      if (trim.edge < 0 || edges[static_cast<std::size_t>(trim.edge)].uses == 1)
+        pair_along(trim, jet(last.curve, last.t1).C, jet(next.curve, next.t0).C, period, tolerance, nodes, pairs);
+    }
   return pairs;
 }
 

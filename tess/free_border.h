@@ -1,5 +1,5 @@
-// Which edges of a face's mesh lie on a border that the model leaves free: on an edge used by one face only, or on the side of an untrimmed
-// domain that does not close.
+// Which edges of a face's mesh lie on a border that the model leaves free: on an edge used by one face only, on a trim curve of no edge, or
+// on the side of an untrimmed domain that does not close.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,7 @@ namespace iso {
 // far below any triangle's size.
 inline constexpr double kOnBorder = 1e-9;
 
-// Pairs (smaller first) of neighbours along the free borders among `nodes`; as indices into `nodes`. Trim curves without an edge are not
-// free, for nothing is known of them.
+// Pairs (smaller first) of neighbours along the free borders among `nodes`; as indices into `nodes`.
 using NodePairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
 NodePairs free_neighbours(const Face& face, std::span<const Edge> edges, std::span<const MeshNode> nodes);
 

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "tess/face_mesh.h"
+#include "tess/orient.h"
 
 namespace iso {
 
@@ -25,7 +26,7 @@ Side side_of(std::uint32_t a, std::uint32_t b) { return (static_cast<Side>(std::
 
 class PartMesher {
  public:
-  PartMesher(const Part& part, const TessellationOptions& options) : part_(part), options_(options), boundary_(part) {
+  PartMesher(const Part& part, const TessellationOptions& options) : part_(part), options_(options), boundary_(part, options.sew) {
     std::vector<std::optional<FaceShape>> shapes(part.faces.size());
     tbb::parallel_for(std::size_t{0}, shapes.size(), [&](std::size_t f) { shapes[f].emplace(part.faces[f], options.distance); });
     shapes_.reserve(shapes.size());
@@ -155,6 +156,7 @@ class PartMesher {
   PartTessellation assembled() {
     PartTessellation result;
     result.unresolved_edges = net_->unresolved();
+    result.joins = std::move(boundary_.joins);
     PartMesh& mesh = result.mesh;
     std::vector<std::uint32_t> number(net_->points().size(), 0xffffffffu);  // of the net's points, those that are used
     for (std::size_t f = 0; f < faces_.size(); ++f) {
@@ -183,6 +185,10 @@ class PartMesher {
       face = {};
     }
     add_free_sides(number, result.free_sides);
+    const Orientation orientation = orient(mesh);
+    turn(mesh, orientation.turned);
+    for (std::size_t f = 0; f < result.faces.size(); ++f) result.faces[f].turned = orientation.turned[f];
+    result.one_sided = orientation.conflicts;
     return result;
   }
 
@@ -199,8 +205,14 @@ class PartMesher {
   }
 
   static FaceReport report_of(const FaceMesh& face) {
-    FaceReport report{face.bound,     face.offset, static_cast<int>(face.triangles.size()), face.unresolved, face.collapsed, face.folded,
-                      face.crossings, {}};
+    FaceReport report;
+    report.bound = face.bound;
+    report.offset = face.offset;
+    report.triangles = static_cast<int>(face.triangles.size());
+    report.unresolved = face.unresolved;
+    report.collapsed = face.collapsed;
+    report.folded = face.folded;
+    report.crossings = face.crossings;
     if (face.triangles.empty())
       report.failure = face.nodes.size() < 3 ? "its loops have less than three points" : "its loops enclose nothing";
     return report;

@@ -9,6 +9,7 @@
 
 #include "patches/brep.h"
 #include "patches/triangle_mesh.h"
+#include "tess/join_edges.h"
 
 namespace iso {
 
@@ -16,6 +17,7 @@ struct TessellationOptions {
   double distance = 0;  // world units, positive: allowed between surface and mesh
   double trim = 0;      // allowed between an edge and its polyline; 0: as `distance`
   double angle = kInf;  // radians: allowed between the surface's normals at any two corners of a triangle
+  double sew = 0;       // world units: edges of different faces within this distance are one; 0: what the file states; negative: off
 };
 
 // What is proven and what was counted of one face.
@@ -26,6 +28,7 @@ struct FaceReport {
   int unresolved = 0;   // triangles beyond the tolerance that could not be divided
   int collapsed = 0;    // triangles left out at poles
   int folded = 0;       // triangles turned against the surface
+  bool turned = false;  // looked to the other side than its neighbours: its triangles and normals do not, see orient.h
   int crossings = 0;    // border segments that cross others and are no sides of triangles
   std::string failure;  // why the face has no triangles, if it has none
 };
@@ -37,7 +40,9 @@ struct PartTessellation {
   // The sides of triangles that lie on edges of one face only, as pairs of points (the smaller index first), sorted: where the model itself
   // ends the mesh ends too, and every other open side is a crack.
   std::vector<std::array<std::uint32_t, 2>> free_sides;
+  int one_sided = 0;         // pairs of neighbours that look to different sides whatever is turned
   int unresolved_edges = 0;  // segments of edges beyond the tolerance that could not be divided
+  JoinReport joins;          // of edges that the file does not share
 };
 
 // Parallel over faces; the result does not depend on the number of threads.

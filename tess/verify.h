@@ -26,11 +26,11 @@ struct MeshReport {
   std::uint64_t nodes = 0, faces = 0;
   TopologyReport topology;  // by index of point
   // The open edges of the topology, in two kinds.
-  Finding
-      free_edges;  // where the model is open: on an edge that one face uses once, or the side of an untrimmed domain that does not close
-  Finding cracks;  // all others
-  Finding folded;  // triangles whose normal in space is not on the side of the mean of their nodes' normals
-  Finding turned;  // triangles that run the wrong way round in (u, v), for the face's orientation, or have no area there
+  Finding free_edges;   // where the model is open: on an edge that one face uses once, a trim curve of no edge, or the side of an untrimmed
+                        // domain that does not close
+  Finding cracks;       // all others
+  Finding folded;       // triangles whose normal in space is not on the side of the mean of their nodes' normals
+  Finding turned;       // triangles that run the wrong way round in (u, v), for the face's orientation, or have no area there
   Finding overlapping;  // pairs of triangles of a face whose interiors meet in (u, v); the place is the second one's
   Finding empty_faces;  // faces without triangles; `face` says which
   TriangleShapes shapes;

@@ -23,6 +23,13 @@ Exit fail(const Error& error) {
   return error.kind;
 }
 
+Exit tell_broken(const std::vector<std::string>& broken, const std::string& file) {
+  constexpr std::size_t kMostLines = 8;
+  for (std::size_t i = 0; i < std::min(broken.size(), kMostLines); ++i) fail({Exit::promise_not_kept, file, {}, broken[i]});
+  if (broken.size() > kMostLines) fail({Exit::promise_not_kept, file, {}, fmt::format("and {} more", broken.size() - kMostLines)});
+  return broken.empty() ? Exit::done : Exit::promise_not_kept;
+}
+
 Status write_stdout(std::string_view text) {
   while (!text.empty()) {
     const ssize_t n = ::write(STDOUT_FILENO, text.data(), text.size());
@@ -38,8 +45,7 @@ namespace {
 struct PlannedCommand {
   const char *name, *does;
 };
-constexpr PlannedCommand kPlanned[] = {{"tessellate", "watertight mesh with its distance from the surface"},
-                                       {"compare", "direct against tessellated, or against a given mesh"},
+constexpr PlannedCommand kPlanned[] = {{"compare", "direct against tessellated, or against a given mesh"},
                                        {"convert", "B-rep to a globally smooth spline"},
                                        {"vectorise", "raster image to a vector image"},
                                        {"diff", "compare two pictures"},
@@ -85,6 +91,7 @@ Exit run(int argc, char** argv) {
   add_hit_command(app, exit);
   add_info_command(app, exit);
   add_display_command(app, exit);
+  add_tessellate_command(app, exit);
   add_planned_commands(app, exit);
   if (argc > 1 && argv[1][0] != '-')
     if (const auto error = unknown_command(app, argv[1])) return fail(*error);

@@ -9,10 +9,12 @@
 #include "raytracer/cmd/command.h"
 #include "raytracer/cmd/interrupt.h"
 #include "raytracer/cmd/load_models.h"
+#include "raytracer/cmd/mesh_report.h"
 #include "raytracer/cmd/render_options.h"
 #include "raytracer/cmd/report.h"
+#include "raytracer/cmd/scene_mesh.h"
+#include "raytracer/cmd/scene_view.h"
 #include "raytracer/exr_writer.h"
-#include "raytracer/framing.h"
 #include "raytracer/progress.h"
 
 namespace iso {
@@ -26,33 +28,13 @@ bool has_exr_name(const std::string& path) { return path.starts_with("/dev/") ||
 
 // What can be said against the request before anything is read or rendered.
 Status check_request(const RenderOptions& options) {
-  const auto mesh = mesh_request(options);
-  if (!mesh) return mesh.error();
-  if (*mesh) return Error{Exit::bad_command_line, {}, {}, "--mode tessellated is not available yet; only 'direct' (no triangles) is"};
+  if (const auto mesh = mesh_request(options); !mesh) return mesh.error();
   if (!has_exr_name(options.output))
     return Error{Exit::bad_command_line,
                  options.output,
                  {},
                  "render writes OpenEXR, expected a name ending in .exr; `isophote display` makes PNG and JPEG"};
   return check_writable(options.output);
-}
-
-Camera camera_for(const CameraEntry& entry, const Tracer& tracer, const ImageSize& size) {
-  const Projection projection = entry.projection.value_or(Projection::perspective);
-  const double fov = entry.fov.value_or(kDefaultFov);
-  if (!entry.look_from) return frame_model(tracer, entry.view.value_or(View::iso), projection, fov, size);
-  return *look_at(projection, *entry.look_from, *entry.look_at, entry.up, projection == Projection::perspective ? fov : *entry.height);
-}
-
-Lights lights_for(const LightsEntry& entry, const Camera& camera) {
-  Lights lights = default_lights(camera.right, camera.up, camera.back);
-  lights.sky.zenith = entry.zenith.value_or(lights.sky.zenith);
-  lights.sky.ground = entry.ground.value_or(lights.sky.ground);
-  lights.sky.up = entry.sky_up.value_or(lights.sky.up);
-  lights.key.from = entry.key_from.value_or(lights.key.from);
-  lights.key.irradiance = entry.key_colour.value_or(lights.key.irradiance) * static_cast<float>(entry.key_strength.value_or(1.0));
-  lights.key.angle = entry.key_angle.value_or(lights.key.angle);
-  return lights;
 }
 
 ImageInfo info_for(const SceneEntry& scene, const LoadedModels& loaded, const Camera& camera, const Tracer& tracer) {
@@ -70,19 +52,21 @@ ImageInfo info_for(const SceneEntry& scene, const LoadedModels& loaded, const Ca
   return info;
 }
 
-// The closing line, and everything there is to count if wanted.
-void report(const RenderOptions& options, const SceneEntry& scene, const RenderResult& result, const Tracer& tracer, double seconds,
-            ProgressStyle style) {
+// The closing line, and everything there is to count if wanted. `mesh` is null for exact surfaces.
+void report(const RenderOptions& options, const SceneEntry& scene, const RenderResult& result, const Tracer& tracer,
+            const MeshFigures* mesh, double seconds, ProgressStyle style) {
   if (style == ProgressStyle::json) {
-    fmt::print(stderr, "{{\"event\":\"{}\",\"seconds\":{:.3f},\"rays_per_second\":{:.0f},\"peak_bytes\":{},\"statistics\":{}}}\n",
+    fmt::print(stderr, "{{\"event\":\"{}\",\"seconds\":{:.3f},\"rays_per_second\":{:.0f},\"peak_bytes\":{},{}\"statistics\":{}}}\n",
                result.complete() ? "done" : "interrupted", seconds, double(result.stats.rays) / seconds, peak_memory(),
-               statistics_json(tracer.build_stats(), result.stats));
+               mesh ? fmt::format("\"mesh\":{},", totals_json(*mesh).dump()) : "", statistics_json(tracer.build_stats(), result.stats));
     return;
   }
   if (!options.quiet)
-    fmt::print(stderr, "{}: {} x {}, {} samples, {:.1f} s (build {:.1f} s), {:.2f} Mray/s, {:.0f} MB; solver: {}\n", options.output,
+    fmt::print(stderr, "{}: {} x {}, {} samples, {:.1f} s (build {:.1f} s), {:.2f} Mray/s, {:.0f} MB; {}\n", options.output,
                scene.size.width, scene.size.height, scene.samples, seconds, tracer.build_stats().seconds,
-               1e-6 * double(result.stats.rays) / seconds, 1e-6 * double(peak_memory()), rare_branches(result.stats));
+               1e-6 * double(result.stats.rays) / seconds, 1e-6 * double(peak_memory()),
+               mesh ? "tessellated: " + summary_text(*mesh) : "solver: " + rare_branches(result.stats));
+  if (options.stats && mesh) fmt::print(stderr, "{}", mesh_statistics(*mesh));
   if (options.stats) fmt::print(stderr, "{}", full_statistics(tracer.build_stats(), result.stats));
 }
 
@@ -91,8 +75,8 @@ Integrator integrator_for(const SceneEntry& scene, const Tracer& tracer, const C
   return inspection(tracer, scene.shade, {-camera.back, camera.position, depth_range(camera, tracer.scene().box())});
 }
 
-Exit render_scene(const RenderOptions& options, const SceneEntry& scene, LoadedModels& loaded, const RenderSettings& settings,
-                  int threads) {
+Exit render_scene(const RenderOptions& options, const SceneEntry& scene, LoadedModels& loaded, const MeshFigures* mesh,
+                  const RenderSettings& settings, int threads) {
   const Tracer tracer(std::move(loaded.scene));
   const Camera camera = camera_for(scene.camera, tracer, scene.size);
   const Sampler sampler(scene.seed, scene.samples);
@@ -109,11 +93,13 @@ Exit render_scene(const RenderOptions& options, const SceneEntry& scene, LoadedM
 
   ImageInfo info = info_for(scene, loaded, camera, tracer);
   info.complete = result.complete();
+  if (mesh) info.mode = "tessellated";
+  if (mesh) info.comments = mesh_comment(*mesh, **mesh_request(options));
   const auto bytes = encode_exr(result.film, info, threads);
   if (!bytes) return fail(bytes.error());
   if (const auto written = write_whole_file(options.output, *bytes); !written) return fail(written.error());
-  report(options, scene, result, tracer, seconds, progress.style());
-  if (result.complete()) return Exit::done;
+  report(options, scene, result, tracer, mesh, seconds, progress.style());
+  if (result.complete()) return mesh ? tell_broken(broken_promises(*mesh), options.output) : Exit::done;
   return fail({Exit::interrupted,
                options.output,
                {},
@@ -135,7 +121,13 @@ Exit render_command(const RenderOptions& options) {
     for (const std::string& note : loaded->notes) fmt::print(stderr, "isophote: {}\n", note);
 
   const RenderSettings settings{scene->size, scene->samples, scene->seed, *aovs, scene->background.value_or(Background{})};
-  return render_scene(options, *scene, *loaded, settings, threads);
+  const auto request = mesh_request(options);
+  if (!*request) return render_scene(options, *scene, *loaded, nullptr, settings, threads);
+  Progress progress(options.quiet ? "none" : options.progress, "steps");
+  const auto mesh = tessellate_scene(*loaded, **request, [&](int done, int all) { progress.update(done, all); });
+  progress.finish();
+  if (!mesh) return fail(mesh.error());
+  return render_scene(options, *scene, *loaded, &*mesh, settings, threads);
 }
 
 }  // namespace

@@ -67,12 +67,12 @@ std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command) {
   command.add_option("--fov", options->fov, "vertical field of view in degrees [28]")->check(CLI::Range(kMinFov, kMaxFov));
   command.add_option("--background", options->background, "transparent, sky or #rrggbb [sky for a model, transparent for a scene]");
   command.add_option("--aov", options->aovs, "data layers: all, none, or a list of N P Z uv id with commas [all]");
-  command.add_option("--mode", options->mode, "direct [direct]")->check(CLI::IsMember({"direct", "tessellated"}));
-  // Not in the help as long as there is no mesh.
-  command.add_option("--tolerance", options->tolerance, "of the mesh: 1e-4d (diagonals), 0.05mm, or in units of the model [1e-4d]")
-      ->group("");
-  command.add_flag("--flat", options->flat, "shade triangles by their own normals")->group("");
-  command.add_flag("--terminator-fix", options->terminator_fix, "hide the facets where light grazes")->group("");
+  command.add_option("--mode", options->mode, "direct (exact surfaces) or tessellated (triangles, with their distance told) [direct]")
+      ->check(CLI::IsMember({"direct", "tessellated"}));
+  command.add_option("--tolerance", options->tolerance,
+                     "tessellated: allowed distance, 1e-4d (diagonals), 0.05mm, or in units of the model [1e-4d]");
+  command.add_flag("--flat", options->flat, "tessellated: shade triangles by their own normals");
+  command.add_flag("--terminator-fix", options->terminator_fix, "tessellated: hide the facets where light grazes");
   command.add_option("--seed", options->seed, "another seed gives other noise [0]");
   command.add_option("-t,--threads", options->threads, "threads to use; 0: all [0]")->check(CLI::Range(0, 1024));
   command.add_option("--progress", options->progress, "auto (bar or lines), json, none [auto]")

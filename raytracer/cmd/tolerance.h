@@ -16,11 +16,13 @@ struct Tolerance {
   ToleranceUnit unit = ToleranceUnit::model;
 };
 
-// A number and, next to it or after blanks, one of m cm mm um in ft d, or nothing.
-Result<Tolerance> tolerance_named(std::string_view text);
+// `option` is what errors name. A number and, next to it or after blanks, one of m cm mm um in ft d, or nothing.
+Result<Tolerance> tolerance_named(std::string_view text, std::string_view option = "--tolerance");
 
 // In units of the model. `diagonal`: of its box, in these units. `unit_of_model`: one of m cm mm um in ft, or empty if unknown; then a
-// tolerance with a unit of length is an error, and so is one that is not a positive finite number of units.
-Result<double> in_units(const Tolerance& tolerance, double diagonal, std::string_view unit_of_model);
+// tolerance with a unit of length is an error, and so is one that is not a positive finite number of units, or
+// finer than 1e-12 diagonals.
+Result<double> in_units(const Tolerance& tolerance, double diagonal, std::string_view unit_of_model,
+                        std::string_view option = "--tolerance");
 
 }  // namespace iso

@@ -200,10 +200,9 @@ TEST_F(BadInput, CommandLines) {
   refused({"render", data(kCube), "-o", path("picture.exr"), "--mode", "tessellated", "--tolerance", "1parsec"}, "unit 'parsec'");
   refused({"render", data(kCube), "-o", path("picture.exr"), "--mode", "tessellated", "--flat", "--terminator-fix"},
           "no meaning with --flat");
-  refused({"render", data(kCube), "-o", path("picture.exr"), "--mode", "tessellated", "--tolerance", "1e-4d"}, "not available yet");
   refused({"info"}, "FILE is required");
   EXPECT_EQ(files(), 0u);
-  expect_checked(12);
+  expect_checked(11);
 }
 
 TEST_F(BadInput, RaysThatAreNone) {

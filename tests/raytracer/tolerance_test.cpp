@@ -50,6 +50,8 @@ TEST(Tolerance, LengthsNeedAModelWithAUnitAndResultsMustBePositiveNumbers) {
     EXPECT_NE(units.error().text().find("found a length in mm"), std::string::npos) << units.error().text();
     EXPECT_NE(units.error().text().find(*unit ? unit : "unknown"), std::string::npos) << units.error().text();
   }
+  EXPECT_FALSE(in_units({1e-13, ToleranceUnit::diagonal}, 5, "mm"));
+  EXPECT_FALSE(in_units({1e-12, ToleranceUnit::millimetre}, 5, "mm"));
   EXPECT_FALSE(in_units({1e-4, ToleranceUnit::diagonal}, 0, "mm"));
   EXPECT_FALSE(in_units({1e300, ToleranceUnit::diagonal}, 1e300, "mm"));
   EXPECT_FALSE(in_units({1e-300, ToleranceUnit::diagonal}, 1e-300, "mm"));

@@ -1,0 +1,137 @@
+#include "raytracer/cmd/mesh_parts.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace iso {
+namespace {
+
+// Rotations in files are orthogonal to about this; a map so near to one lengthens nothing.
+constexpr double kRotationRounding = 1e-12;
+
+// The measurement finds nearest points to rounding: this times the size of the part.
+constexpr double kMeasureRounding = 1e-11;
+
+class Clock {
+ public:
+  double lap() {
+    const auto begin = begin_;
+    begin_ = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(begin_ - begin).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+DistanceFigures figures_of(const DistanceCounts& counts, double stretch) {
+  return {stretch * counts.max(), stretch * counts.mean(), stretch * counts.rms(), stretch * counts.percentile(0.999), counts.count()};
+}
+
+FaceFigures figures_of(const FaceReport& report, const FaceDeviation& deviation, double stretch, const Affine3& place) {
+  FaceFigures face;
+  face.report = report;
+  face.report.bound *= stretch;
+  face.report.offset *= stretch;
+  face.to_surface = figures_of(deviation.to_surface, stretch);
+  face.to_mesh = figures_of(deviation.to_mesh, stretch);
+  face.measured = stretch * deviation.worst;
+  face.worst_uv = deviation.worst_uv;
+  face.worst_place = place.point(deviation.worst_place);
+  face.worst_angle = deviation.worst_angle;
+  face.mean_angle = deviation.mean_angle;
+  return face;
+}
+
+void add_to(FaceReport& all, const FaceReport& face) {
+  all.bound = std::max(all.bound, face.bound);
+  all.offset = std::max(all.offset, face.offset);
+  all.triangles += face.triangles;
+  all.unresolved += face.unresolved;
+  all.collapsed += face.collapsed;
+  all.folded += face.folded;
+  all.crossings += face.crossings;
+}
+
+void move_places(MeshReport& check, const Affine3& place) {
+  TopologyReport& t = check.topology;
+  for (Finding* finding :
+       {&t.open_edges, &t.non_manifold_edges, &t.misoriented_edges, &t.non_manifold_points, &t.zero_area, &t.duplicates, &t.isolated_points,
+        &t.t_junctions, &check.free_edges, &check.cracks, &check.folded, &check.turned, &check.overlapping})
+    for (MeshPlace& at : finding->places) at.at = place.point(at.at);
+}
+
+// The figures of a part's faces, and of all of them.
+void take_figures(PartFigures& out, const PartTessellation& made, const Deviation& deviation, double distance, const Affine3& place) {
+  const double rounding = kMeasureRounding * out.part->box.diagonal();
+  FaceReport all;
+  bool within = true, contradicts = false;
+  for (std::size_t f = 0; f < made.faces.size(); ++f) {
+    FaceFigures face = figures_of(made.faces[f], deviation.faces[f], out.stretch, place);
+    face.within = made.faces[f].bound <= distance;
+    face.contradicts = deviation.faces[f].worst > made.faces[f].bound + made.faces[f].offset + rounding;
+    within = within && face.within;
+    contradicts = contradicts || face.contradicts;
+    add_to(all, face.report);
+    out.faces.push_back(std::move(face));
+  }
+  out.all = figures_of({}, deviation.all, out.stretch, place);
+  out.all.report = all;
+  out.all.within = within;
+  out.all.contradicts = contradicts;
+  out.worst_face = deviation.worst_face;
+}
+
+}  // namespace
+
+double stretch_of(const Affine3& map) {
+  // The largest eigenvalue of a symmetric matrix in closed form [Smith 1961, Eigenvalues of a symmetric 3 x 3 matrix].
+  const Mat3 a = glm::transpose(map.linear) * map.linear;
+  const double q = (a[0][0] + a[1][1] + a[2][2]) / 3;
+  const Mat3 b = a - Mat3(q);
+  const double p = std::sqrt((glm::dot(b[0], b[0]) + glm::dot(b[1], b[1]) + glm::dot(b[2], b[2])) / 6);
+  const double r = p > 0 ? std::clamp(glm::determinant(b) / (2 * p * p * p), -1.0, 1.0) : 1.0;
+  const double stretch = std::sqrt(std::max(0.0, q + 2 * p * std::cos(std::acos(r) / 3)));
+  return std::abs(stretch - 1) <= kRotationRounding ? 1.0 : stretch;
+}
+
+MeshFigures mesh_parts(const std::vector<PartToMesh>& parts, const MeshSettings& settings, ModelMesh& meshes,
+                       const std::function<void(int, int)>& progress) {
+  // Three steps for each face: made, measured, verified.
+  int steps = 0, done = 0;
+  for (const PartToMesh& p : parts) steps += 3 * static_cast<int>(p.part->faces.size());
+  MeshFigures figures;
+  figures.settings = settings;
+  for (const PartToMesh& p : parts) {
+    PartFigures out;
+    out.part = p.part;
+    out.placements = static_cast<int>(p.placements.size());
+    if (!p.placements.empty()) out.stretch = 0;
+    for (const Affine3& placement : p.placements) out.stretch = std::max(out.stretch, stretch_of(placement));
+    const Affine3 place = p.placements.empty() ? Affine3{} : p.placements.front();
+    const auto step = [&] { progress(done += static_cast<int>(p.part->faces.size()), steps); };
+
+    Clock clock;
+    const double distance = settings.distance / out.stretch;
+    PartTessellation made = tessellate(*p.part, {distance, settings.trim / out.stretch, settings.angle});
+    figures.mesh_seconds += clock.lap();
+    step();
+    const Deviation deviation = measure(*p.part, made.mesh, settings.sampling);
+    figures.measure_seconds += clock.lap();
+    step();
+    out.check = verify(*p.part, made.mesh);
+    figures.verify_seconds += clock.lap();
+    step();
+
+    move_places(out.check, place);
+    out.rounds = made.rounds;
+    out.unresolved_edges = made.unresolved_edges;
+    take_figures(out, made, deviation, distance, place);
+    meshes.parts.push_back(std::move(made.mesh));
+    figures.parts.push_back(std::move(out));
+  }
+  return figures;
+}
+
+}  // namespace iso

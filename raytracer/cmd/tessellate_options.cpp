@@ -1,0 +1,80 @@
+#include "raytracer/cmd/tessellate_options.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <numbers>
+
+#include "patches/files/output_file.h"
+#include "patches/io/write_mesh.h"
+#include "raytracer/cmd/tolerance.h"
+
+namespace iso {
+namespace {
+
+constexpr double kLeastAngle = 0.1;  // degrees: below, triangles would be beyond count
+
+Error bad_option(std::string file, const std::string& message) { return {Exit::bad_command_line, std::move(file), {}, message}; }
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored);
+}
+
+}  // namespace
+
+std::shared_ptr<TessellateOptions> declare_tessellate_options(CLI::App& command) {
+  auto options = std::make_shared<TessellateOptions>();
+  command.add_option("MODEL", options->model, "STEP, IGES, BREP, OBJ or BPT file")->required();
+  command.add_option("-o,--output", options->output, "mesh to write: .stl, .obj, .ply or .glb");
+  command.add_option("--tolerance", options->tolerance,
+                     "allowed distance, either way: 1e-4d (diagonals), 0.05mm, or in units of the model [1e-3d]");
+  command.add_option("--trim-tolerance", options->trim_tolerance, "the same for edges and their polylines [as --tolerance]");
+  command.add_option("--angle", options->angle, "allowed between the normals at two corners of a triangle, degrees [any]");
+  command.add_option("--report", options->report, "JSON file to write: the figures of every face, what was verified");
+  command.add_option("--measure", options->measure, "quick (4 points a triangle) or fine (20) [quick]")
+      ->check(CLI::IsMember({"quick", "fine"}));
+  command.add_option("-t,--threads", options->threads, "threads to use; 0: all [0]")->check(CLI::Range(0, 1024));
+  command.add_option("--progress", options->progress, "auto (bar or lines), json, none [auto]")
+      ->check(CLI::IsMember({"auto", "json", "none"}));
+  command.add_flag("-q,--quiet", options->quiet, "say nothing but errors");
+  return options;
+}
+
+Status check_request(const TessellateOptions& options) {
+  if (options.output.empty() && options.report.empty())
+    return bad_option({}, "nothing to write: expected -o with a mesh (.stl, .obj, .ply, .glb), or --report with a JSON file, or both");
+  if (const auto tolerance = tolerance_named(options.tolerance); !tolerance) return tolerance.error();
+  if (!options.trim_tolerance.empty())
+    if (const auto trim = tolerance_named(options.trim_tolerance, "--trim-tolerance"); !trim) return trim.error();
+  if (options.angle && !(*options.angle >= kLeastAngle && *options.angle <= 180))
+    return bad_option({}, fmt::format("--angle: found {}, expected degrees from {} to 180", *options.angle, kLeastAngle));
+  for (const std::string& path : {options.output, options.report}) {
+    if (path.empty()) continue;
+    if (same_file(path, options.model)) return bad_option(path, "is the model itself; expected another name to write to");
+    if (const auto writable = check_writable(path); !writable) return writable.error();
+  }
+  if (options.output.empty()) return Done{};
+  if (!options.report.empty() && same_file(options.output, options.report))
+    return bad_option(options.report, "-o and --report name the same file");
+  const auto format = mesh_format_of(options.output);
+  return format ? Status(Done{}) : Status(format.error());
+}
+
+Result<MeshSettings> settings_for(const TessellateOptions& options, const Model& model) {
+  MeshSettings settings;
+  const double diagonal = box_of(model).diagonal();
+  const auto distance = in_units(*tolerance_named(options.tolerance), diagonal, model.unit);
+  if (!distance) return distance.error();
+  settings.distance = *distance;
+  if (!options.trim_tolerance.empty()) {
+    const auto trim = in_units(*tolerance_named(options.trim_tolerance), diagonal, model.unit, "--trim-tolerance");
+    if (!trim) return trim.error();
+    settings.trim = *trim;
+  }
+  if (options.angle) settings.angle = *options.angle * std::numbers::pi / 180;
+  if (options.measure == "fine") settings.sampling = Sampling::fine;
+  return settings;
+}
+
+}  // namespace iso

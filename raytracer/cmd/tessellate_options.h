@@ -1,0 +1,30 @@
+// The command line of `isophote tessellate`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "patches/base/result.h"
+#include "raytracer/cmd/mesh_parts.h"
+
+namespace iso {
+
+struct TessellateOptions {
+  std::string model, output, report;  // no output: no mesh is written, no report: none
+  std::string tolerance = "1e-3d", trim_tolerance, measure = "quick", progress = "auto";
+  std::optional<double> angle;  // degrees
+  int threads = 0;              // 0: all
+  bool quiet = false;
+};
+
+std::shared_ptr<TessellateOptions> declare_tessellate_options(CLI::App& command);
+
+// What can be said against the request before the model is read.
+Status check_request(const TessellateOptions& options);
+
+// The request in units of the model, once it is known.
+Result<MeshSettings> settings_for(const TessellateOptions& options, const Model& model);
+
+}  // namespace iso

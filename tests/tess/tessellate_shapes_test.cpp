@@ -1,0 +1,212 @@
+// Meshes of faces at the limits: loops that nearly touch, faces thinner than the tolerance, poles, apexes, collapsed sides, seams.
+#include <gtest/gtest.h>
+
+#include "tess/verify.h"
+#include "tests/support/closed_surfaces.h"
+#include "tests/support/solid_parts.h"
+
+namespace iso::test {
+namespace {
+
+constexpr double kTolerances[] = {1e-2, 1e-3, 1e-4};
+
+// Builds a part of faces whose loops share edges by number.
+class PartOf {
+ public:
+  explicit PartOf(std::string name) { solid_.name = std::move(name); }
+
+  PartOf& face(AnySurface surface, std::vector<std::vector<TrimCurve>> loops) {
+    Face face;
+    face.surface = std::move(surface);
+    for (auto& loop : loops) {
+      for (const TrimCurve& c : loop) {
+        constexpr int kSteps = 64;
+        for (int i = 0; i <= kSteps; ++i) face.domain.include(jet(c.curve, c.t0 + (c.t1 - c.t0) * i / kSteps).C);
+        if (c.edge >= static_cast<int>(solid_.part.edges.size())) solid_.part.edges.resize(static_cast<std::size_t>(c.edge) + 1);
+        ++solid_.part.edges[static_cast<std::size_t>(c.edge)].uses;
+      }
+      face.loops.push_back({std::move(loop)});
+    }
+    solid_.part.faces.push_back(std::move(face));
+    return *this;
+  }
+  PartOf& point_edge(int e) {
+    solid_.part.edges[static_cast<std::size_t>(e)].degenerate = true;
+    return *this;
+  }
+  SolidPart done() { return finished(std::move(solid_)); }
+
+ private:
+  SolidPart solid_;
+};
+
+std::vector<TrimCurve> polygon(const std::vector<UV>& corners, int first_edge) {
+  std::vector<TrimCurve> loop;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    loop.push_back(straight(corners[i], corners[(i + 1) % corners.size()], first_edge + static_cast<int>(i)));
+  return loop;
+}
+std::vector<TrimCurve> rectangle(UV lo, UV hi, int first_edge) { return polygon({lo, {hi.x, lo.y}, hi, {lo.x, hi.y}}, first_edge); }
+TrimCurve arc(UV centre, double r, double from, double to, int edge) {
+  TrimCurve c;
+  c.curve = Ellipse<Vec2>{centre, Vec2(r, 0), Vec2(0, r)};
+  c.t0 = from;
+  c.t1 = to;
+  c.edge = edge;
+  return c;
+}
+
+double area(const PartMesh& mesh) {
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles)
+    sum += 0.5 * glm::length(glm::cross(mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0)));
+  return sum;
+}
+
+// Meshes a part within a tolerance; its area may be wrong by the tolerance along a border of this length.
+PartTessellation expect_area(const SolidPart& s, double tolerance, double exact, double border) {
+  const PartTessellation made = tessellated(s, tolerance);
+  EXPECT_NEAR(area(made.mesh), exact, border * tolerance + 1e-12 * exact) << s.name << " " << tolerance;
+  return made;
+}
+
+TEST(TessellateShapes, AFaceWithAHole) {
+  for (const double T : kTolerances) {
+    const auto s = PartOf("hole").face(Plane{}, {rectangle({0, 0}, {1, 1}, 0), {arc({0.5, 0.5}, 0.3, kTwoPi, 0, 4)}}).done();
+    expect_area(s, T, 1 - kPi * 0.09, kTwoPi * 0.3);
+    const auto around_it =
+        PartOf("hole of a cylinder").face(Cylinder{{}, 1}, {rectangle({0, 0}, {1, 1}, 0), {arc({0.5, 0.5}, 0.3, kTwoPi, 0, 4)}}).done();
+    expect_area(around_it, T, 1 - kPi * 0.09, 8);
+  }
+}
+
+TEST(TessellateShapes, LoopsThatNearlyTouch) {
+  for (const double T : kTolerances)
+    for (const double gap : {0.1 * T, 0.01 * T}) {
+      const double r = 0.3;
+      const auto beside =
+          PartOf("hole beside a side").face(Plane{}, {rectangle({0, 0}, {1, 1}, 0), {arc({0.5, r + gap}, r, kTwoPi, 0, 4)}}).done();
+      expect_area(beside, T, 1 - kPi * r * r, kTwoPi * r);
+      const double q = 0.2;
+      const auto holes = PartOf("two holes")
+                             .face(Cylinder{{}, 1}, {rectangle({0, 0}, {1, 1}, 0),
+                                                     {arc({0.5 - q - 0.5 * gap, 0.5}, q, kTwoPi, 0, 4)},
+                                                     {arc({0.5 + q + 0.5 * gap, 0.5}, q, kTwoPi, 0, 5)}})
+                             .done();
+      expect_area(holes, T, 1 - 2 * kPi * q * q, 8);
+    }
+}
+
+TEST(TessellateShapes, ASlit) {
+  for (const double T : kTolerances)
+    for (const double width : {0.1 * T, 1e-3 * T}) {
+      const std::vector<std::vector<TrimCurve>> loops{rectangle({0, 0}, {1, 1}, 0),
+                                                      polygon({{0.2, 0.5}, {0.2, 0.5 + width}, {0.8, 0.5 + width}, {0.8, 0.5}}, 4)};
+      expect_area(PartOf("slit").face(Plane{}, loops).done(), T, 1, 1.3);
+      expect_area(PartOf("slit across a cylinder").face(Cylinder{{}, 1}, loops).done(), T, 1, 5);
+    }
+}
+
+TEST(TessellateShapes, AFaceThinnerThanTheTolerance) {
+  for (const double T : kTolerances)
+    for (const double width : {0.3 * T, 1e-3 * T}) {
+      expect_area(PartOf("thin plane").face(Plane{}, {rectangle({0, 0}, {1, width}, 0)}).done(), T, width, 0);
+      expect_area(PartOf("thin band").face(Cylinder{{}, 1}, {rectangle({0, 0}, {2, width}, 0)}).done(), T, 2 * width, width);
+      expect_area(PartOf("thin strip").face(Cylinder{{}, 1}, {rectangle({0, 0}, {width, 2}, 0)}).done(), T, 2 * width, 1e-3);
+      const double r = 0.4;
+      const auto ring = PartOf("thin ring").face(Plane{}, {{arc({0, 0}, r, 0, kTwoPi, 0)}, {arc({0, 0}, r - width, kTwoPi, 0, 1)}}).done();
+      const PartTessellation made = tessellated(ring, T);
+      EXPECT_NEAR(area(made.mesh) / (kTwoPi * r * width), 1, 0.5) << T << " " << width;
+    }
+}
+
+TEST(TessellateShapes, TwoEdgesBetweenTheSameTwoVertices) {
+  for (const double T : kTolerances)
+    for (const double sagitta : {30 * T, 0.3 * T, 0.01 * T}) {
+      // Arcs over a chord of length one, bulging both ways.
+      const double r = (0.25 + sagitta * sagitta) / (2 * sagitta), half = std::asin(0.5 / r);
+      const std::vector<TrimCurve> lens{arc({0, r - sagitta}, r, 1.5 * kPi - half, 1.5 * kPi + half, 0),
+                                        arc({0, sagitta - r}, r, 0.5 * kPi - half, 0.5 * kPi + half, 1)};
+      std::vector<TrimCurve> hole{lens[1], lens[0]};
+      for (TrimCurve& c : hole) std::swap(c.t0, c.t1);
+      const double inside = r * r * (2 * half - std::sin(2 * half));
+      const auto s = PartOf("lens").face(Plane{}, {lens}).face(Plane{}, {rectangle({-1, -1}, {1, 1}, 2), hole}).done();
+      const PartTessellation made = expect_area(s, T, 4, 1e-6);
+      EXPECT_GE(made.faces[0].triangles, 2) << T << " " << sagitta;
+      EXPECT_LE(inside, 4);
+    }
+}
+
+TEST(TessellateShapes, ACircleOfOneEdgeIsNeverLessThanATriangle) {
+  const auto disc = PartOf("disc").face(Plane{}, {{arc({0, 0}, 1, 0, kTwoPi, 0)}}).done();
+  for (const double T : {10.0, 1.0, 0.1, 1e-3}) {
+    const PartTessellation made = expect_area(disc, T, kPi, kTwoPi);
+    EXPECT_GE(made.faces[0].triangles, 1);
+  }
+  for (const MakeSolid make : kSolids) tessellated(finished(make({}, 1)), 1);
+}
+
+TEST(TessellateShapes, PolesWithSeamsAndLoops) {
+  for (const double T : kTolerances)
+    for (const double top : {kPi / 2, 0.3}) {
+      std::vector<TrimCurve> loop = rectangle({0, -kPi / 2}, {kTwoPi, top}, 0);
+      loop[3].edge = 1;  // the seam
+      loop[2].edge = 2;
+      PartOf part("sphere with a seam");
+      part.face(Sphere{{}, 1}, {loop}).point_edge(0);
+      if (top > 1) part.point_edge(2);
+      expect_area(part.done(), T, kTwoPi * (std::sin(top) + 1), 14);
+    }
+}
+
+TEST(TessellateShapes, AnApexInsideAndAtTheEnd) {
+  for (const double T : kTolerances) {
+    tessellated(finished(solid_cone({}, 1)), T);
+    // A piece of a cone beside its apex.
+    PartOf piece("piece of a cone");
+    piece.face(Cone{{}, 1, -0.5}, {rectangle({1, 0}, {2, 1 / std::sin(0.5)}, 0)}).point_edge(2);
+    expect_area(piece.done(), T, 0.5 / std::sin(0.5), 3);
+  }
+}
+
+TEST(TessellateShapes, CollapsedSidesOfNurbs) {
+  for (const double T : kTolerances) {
+    // A bicubic triangle: the side u = 0 is a point.
+    NurbsSurface s;
+    s.degree_u = s.degree_v = 3;
+    s.count_u = s.count_v = 4;
+    s.knots_u = s.knots_v = {0, 0, 0, 0, 1, 1, 1, 1};
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) s.poles.emplace_back(i / 3.0, i * (j - 1.5) / 9.0, 0.1 * i * (3 - i), 1.0);
+    tessellated(finished(untrimmed("collapsed side", s, {Vec2(0), Vec2(1)}, 1, {})), T);
+    const ClosedSurface ball = closed_surface(2);
+    tessellated(finished(untrimmed(ball.name, ball.surface, ball.domain, 1, {})), T);
+  }
+}
+
+TEST(TessellateShapes, ClosedNurbsWithoutLoopsAreClosedMeshes) {
+  for (int i = 0; i < kClosedSurfaces; ++i) {
+    const ClosedSurface closed = closed_surface(i);
+    for (const double T : {1e-2, 1e-3}) {
+      const SolidPart s = finished(untrimmed(closed.name, closed.surface, closed.domain, closed.size, {}));
+      const PartTessellation made = tessellated(s, T * closed.size);
+      const MeshReport r = verify(s.part, made.mesh);
+      EXPECT_TRUE(r.topology.closed()) << closed.name << " " << T << ": " << text_of(r.topology);
+      const auto euler = static_cast<std::int64_t>(r.topology.points - r.topology.edges + r.topology.triangles);
+      EXPECT_EQ(euler, i == 2 ? 2 : 0) << closed.name << " " << T;
+    }
+  }
+}
+
+TEST(TessellateShapes, FacesAcrossTheSeam) {
+  for (const double T : kTolerances) {
+    expect_area(PartOf("cylinder across its seam").face(Cylinder{{}, 1}, {rectangle({5, 0}, {8, 1}, 0)}).done(), T, 3, 8);
+    const double exact = 3 * (3 * 1.0 + 0.4 * (std::sin(9.0) - std::sin(6.0))) * 0.4;
+    expect_area(PartOf("torus across its seams").face(Torus{{}, 1, 0.4}, {rectangle({5, 6}, {8, 9}, 0)}).done(), T, exact, 12);
+    const auto turn = PartOf("more than a turn").face(Cylinder{{}, 1}, {{arc({6, 0.5}, 0.4, 0, kTwoPi, 0)}}).done();
+    expect_area(turn, T, kPi * 0.16, 3);
+  }
+}
+
+}  // namespace
+}  // namespace iso::test
