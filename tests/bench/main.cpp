@@ -1,8 +1,8 @@
 // isophote_bench: ./isophote bench [NAME...] [--quick] [--json] [--rounds N] [--rays N] [--tolerance X...]
 //
 // Every measurement is called direct-versus-triangles/SCENE/RAYS; a NAME selects those that have it as one of these three words, several
-// NAMEs those that fit the NAMEs of each kind: `linkrods teapot bounce` are two scenes, bounces only. The other benchmarks, trim-queries
-// and brl-cad, have no scenes.
+// NAMEs those that fit the NAMEs of each kind: `linkrods teapot bounce` are two scenes, bounces only. The other benchmarks, trim-queries,
+// brl-cad and tessellators, have no scenes.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -12,14 +12,17 @@
 
 #include "tests/bench/brl_cad.h"
 #include "tests/bench/report.h"
+#include "tests/bench/tessellator_report.h"
 #include "tests/bench/trim_queries.h"
 
 namespace iso::bench {
 namespace {
 
-constexpr const char *kBenchmark = "direct-versus-triangles", *kTrimQueries = "trim-queries", *kBrlCad = "brl-cad";
+constexpr const char *kBenchmark = "direct-versus-triangles", *kTrimQueries = "trim-queries", *kBrlCad = "brl-cad",
+                     *kTessellators = "tessellators";
 constexpr int kSegments[] = {10, 100, 1000};
 constexpr int kQuickRounds = 3, kQuickRays = 1 << 18;
+constexpr std::size_t kQuickTolerances = 2;
 constexpr int kBrlCadRays = 1000000, kBrlCadQuickRays = 100000;
 
 int fail(const Error& error) {
@@ -73,6 +76,20 @@ int run_brl_cad(const MeasureOptions& options, bool json) {
   return static_cast<int>(std::cout ? Exit::done : Exit::read_write);
 }
 
+int run_tessellators(const TessellatorOptions& options, bool json) {
+  for (const std::string& name : options.models)
+    if (!contains(tessellator_models(), name))
+      return fail(
+          {Exit::bad_command_line, {}, {}, fmt::format("unknown model '{}'; expected {}", name, fmt::join(tessellator_models(), ", "))});
+  const auto results = measure_tessellators(options);
+  if (!results) return fail(results.error());
+  Origin origin = origin_of_run();
+  origin.left_out = results->left_out;
+  std::cout << (json ? tessellator_json(*results, options, origin).dump(2) + "\n" : tessellator_table(*results, options, origin))
+            << std::flush;
+  return static_cast<int>(std::cout ? Exit::done : Exit::read_write);
+}
+
 int run(int argc, char** argv) {
   std::vector<BenchScene> scenes = bench_scenes();
   std::vector<std::string> scene_names;
@@ -83,14 +100,18 @@ int run(int argc, char** argv) {
   std::vector<std::string> names;
   bool json = false;
   app.add_option("NAME", names,
-                 fmt::format("what to measure: {}; scenes {}; rays {} [all]; or {} or {}, alone", kBenchmark, fmt::join(scene_names, " "),
-                             fmt::join(kRaySets, " "), kTrimQueries, kBrlCad));
+                 fmt::format("what to measure: {}; scenes {}; rays {} [all]; or {}, {} or {}, alone", kBenchmark,
+                             fmt::join(scene_names, " "), fmt::join(kRaySets, " "), kTrimQueries, kBrlCad, kTessellators));
+  TessellatorOptions tessellators;
+  app.add_option("--model", tessellators.models, "of tessellators: a file's name; may be repeated [all]");
+  app.add_flag_callback(
+      "--ours", [&] { tessellators.rivals = Rivals::left_out; }, "of tessellators: without Open CASCADE's");
   app.add_flag("--json", json, "print one JSON document instead of the table");
   auto* quick =
       app.add_flag("--quick", options.quick,
                    fmt::format("a first impression: the coarsest tessellations, --rounds {} --rays {}", kQuickRounds, kQuickRays));
   std::vector<double> tolerances;
-  app.add_option("--tolerance", tolerances, "of the tessellations, shares of the diagonal, falling [each scene's own]")
+  app.add_option("--tolerance,--tolerances", tolerances, "of the tessellations, shares of the diagonal, falling [each scene's own]")
       ->check(CLI::Range(1e-9, 0.1));
   auto* rounds = app.add_option("--rounds", options.rounds, fmt::format("measured rounds after the warm-up [{}]", options.rounds))
                      ->check(CLI::Range(1, 1000));
@@ -105,6 +126,12 @@ int run(int argc, char** argv) {
   if (names == std::vector<std::string>{kBrlCad}) {
     if (!*count) options.rays = *quick ? kBrlCadQuickRays : kBrlCadRays;
     return run_brl_cad(options, json);
+  }
+  if (names == std::vector<std::string>{kTessellators}) {
+    if (!tolerances.empty()) tessellators.tolerances = tolerances;
+    while (*quick && tessellators.tolerances.size() > kQuickTolerances) tessellators.tolerances.pop_back();
+    tessellators.rounds = options.rounds;
+    return run_tessellators(tessellators, json);
   }
   if (*quick && !*count) options.rays = kQuickRays;
   for (const std::string& name : names)

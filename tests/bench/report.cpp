@@ -33,23 +33,6 @@ std::string commit_name() {
 
 double per_ray(std::uint64_t count, const Row& row) { return static_cast<double>(count) / static_cast<double>(row.count); }
 
-// Columns as wide as their widest cell; the first `left` ones aligned to the left.
-std::string aligned(const std::vector<std::vector<std::string>>& lines, std::size_t left) {
-  std::vector<std::size_t> widths;
-  for (const auto& line : lines) {
-    widths.resize(std::max(widths.size(), line.size()));
-    for (std::size_t k = 0; k < line.size(); ++k) widths[k] = std::max(widths[k], line[k].size());
-  }
-  std::string text;
-  for (const auto& line : lines) {
-    for (std::size_t k = 0; k < line.size(); ++k)
-      text += k < left ? fmt::format("{:<{}}  ", line[k], widths[k]) : fmt::format("{:>{}}  ", line[k], widths[k]);
-    text.erase(text.find_last_not_of(' ') + 1);
-    text += '\n';
-  }
-  return text;
-}
-
 std::string share(double of_diagonal) { return of_diagonal > 0 ? fmt::format("{:.2g}", of_diagonal) : "-"; }
 
 std::string ray_table(const std::vector<SceneResult>& results) {
@@ -213,6 +196,22 @@ Json build_json(const BuildRow& b) {
 }
 
 }  // namespace
+
+std::string aligned(const std::vector<std::vector<std::string>>& lines, std::size_t left) {
+  std::vector<std::size_t> widths;
+  for (const auto& line : lines) {
+    widths.resize(std::max(widths.size(), line.size()));
+    for (std::size_t k = 0; k < line.size(); ++k) widths[k] = std::max(widths[k], line[k].size());
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    for (std::size_t k = 0; k < line.size(); ++k)
+      text += k < left ? fmt::format("{:<{}}  ", line[k], widths[k]) : fmt::format("{:>{}}  ", line[k], widths[k]);
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += '\n';
+  }
+  return text;
+}
 
 Origin origin_of_run() { return {machine_name(), commit_name(), {}}; }
 

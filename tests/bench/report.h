@@ -14,6 +14,9 @@ struct Origin {
 };
 Origin origin_of_run();
 
+// Columns as wide as their widest cell; the first `left` ones aligned to the left.
+std::string aligned(const std::vector<std::vector<std::string>>& lines, std::size_t left);
+
 std::string as_table(const std::vector<SceneResult>& results, const MeasureOptions& options, const Origin& origin);
 nlohmann::ordered_json as_json(const std::vector<SceneResult>& results, const MeasureOptions& options, const Origin& origin);
 

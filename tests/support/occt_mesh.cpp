@@ -4,58 +4,27 @@
 #include <BRepBndLib.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
-#include <BRepTools.hxx>
-#include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
-#include <IGESControl_Reader.hxx>
 #include <IMeshData_Status.hxx>
 #include <IMeshTools_Parameters.hxx>
-#include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <OSD_Chronometer.hxx>
 #include <Poly_Triangulation.hxx>
-#include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
-#include <cctype>
-#include <filesystem>
 #include <span>
+
+#include "tests/support/occt_shape.h"
 
 namespace iso::test {
 namespace {
 
 Vec3 vec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
-
-template <class Reader>
-TopoDS_Shape transferred(Reader& reader, const std::string& path) {
-  Interface_Static::SetCVal("xstep.cascade.unit", "MM");
-  if (reader.ReadFile(path.c_str()) != IFSelect_RetDone) throw OcctFailure("Open CASCADE cannot read the file");
-  reader.TransferRoots();
-  return reader.OneShape();
-}
-
-TopoDS_Shape read_shape(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-  TopoDS_Shape shape;
-  if (ending == ".step" || ending == ".stp") {
-    STEPControl_Reader reader;
-    shape = transferred(reader, path);
-  } else if (ending == ".iges" || ending == ".igs") {
-    IGESControl_Reader reader;
-    shape = transferred(reader, path);
-  } else {
-    BRepTools::Read(shape, path.c_str(), BRep_Builder());
-  }
-  if (shape.IsNull()) throw OcctFailure("Open CASCADE finds no shape in the file");
-  BRepTools::Clean(shape);  // a BREP file may bring an old mesh along
-  return shape;
-}
 
 std::string mesh_shape(const TopoDS_Shape& shape, double deflection, double angle) {
   IMeshTools_Parameters parameters;
@@ -128,7 +97,7 @@ bool add_face(const TopoDS_Face& face, int number, OcctMesh& mesh) {
 }
 
 OcctMesh mesh_file(const std::string& path, const MeshFineness& fineness) {
-  const TopoDS_Shape shape = read_shape(path);
+  const TopoDS_Shape shape = read_occt_shape(path);
   Bnd_Box box;
   BRepBndLib::Add(shape, box, Standard_False);
   if (box.IsVoid()) throw OcctFailure("Open CASCADE finds nothing that has a size");
@@ -163,7 +132,7 @@ OcctMesh mesh_with_occt(const std::string& path, const MeshFineness& fineness) {
 bool valid_for_occt(const std::string& path) {
   Message::DefaultMessenger()->ChangePrinters().Clear();
   try {
-    return BRepCheck_Analyzer(read_shape(path)).IsValid();
+    return BRepCheck_Analyzer(read_occt_shape(path)).IsValid();
   } catch (const Standard_Failure&) {
     return false;
   }
