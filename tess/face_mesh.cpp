@@ -28,6 +28,9 @@ constexpr double kOnCrease = 1e-12;
 // Segments of the border that cross others are not split below this share of the tolerance.
 constexpr double kLeastSegment = 0.02;
 
+// Borders of folded triangles are not split below this share of the tolerance.
+constexpr double kLeastFold = 1e-3;
+
 // Triangles smaller than this share of the tolerance are not divided further.
 constexpr double kLeastSize = 0.05;
 
@@ -339,7 +342,7 @@ class FaceMesher {
       const Corners& t = triangulation_->triangles()[i];
       if (!t.inside || !is_folded(t)) continue;
       int best = -1;
-      double longest = kLeastSize * policy_.distance;
+      double longest = kLeastFold * policy_.distance;
       for (int k = 0; k < 3; ++k) {
         const std::uint32_t a = t.v[static_cast<std::size_t>((k + 1) % 3)], b = t.v[static_cast<std::size_t>((k + 2) % 3)];
         const double length = glm::length(placed(a) - placed(b));

@@ -145,7 +145,25 @@ FaceShape::Verdict FaceShape::keeps(const SurfaceCorner& a, const SurfaceCorner&
   if (!std::holds_alternative<NurbsSurface>(face_->surface) && !std::holds_alternative<Extrusion>(face_->surface) &&
       !std::holds_alternative<Revolution>(face_->surface) && !std::holds_alternative<Torus>(face_->surface))
     return {false, quick};
-  return TriangleDivision(*this, {a, b, c}, most).verdict(quick);
+  const Verdict divided = TriangleDivision(*this, {a, b, c}, most).verdict(quick);
+  return divided.within ? divided : within_box({a, b, c}, most, divided);
+}
+
+// Where derivatives say nothing (spans of next to no width, poles) a small triangle may still lie in one small box with its piece of the
+// surface: then the box is the bound.
+FaceShape::Verdict FaceShape::within_box(const std::array<SurfaceCorner, 3>& corners, double most, const Verdict& otherwise) const {
+  Box3 box;
+  Box2 uv;
+  for (const SurfaceCorner& c : corners) {
+    box.include(c.S);
+    uv.include(c.uv);
+  }
+  if (box.diagonal() > most) return otherwise;
+  uv = {glm::max(uv.lo, face_->domain.lo), glm::min(uv.hi, face_->domain.hi)};
+  for (int k = 0; k < 2; ++k)
+    if (!(uv.hi[k] > uv.lo[k])) return otherwise;
+  box.include(bounds(face_->surface, uv));
+  return box.diagonal() <= most ? Verdict{true, box.diagonal()} : otherwise;
 }
 
 double FaceShape::segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const {

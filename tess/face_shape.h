@@ -56,6 +56,7 @@ class FaceShape {
   Placed place(UV uv, const TangentJet& at) const;
 
  private:
+  Verdict within_box(const std::array<SurfaceCorner, 3>& corners, double most, const Verdict& otherwise) const;
   const Face* face_;
   SurfaceEval eval_;
   BendTree bend_;

@@ -13,6 +13,10 @@ constexpr double kMostAspect = 40;
 constexpr double kLeastSaving = 0.15;
 
 constexpr int kMostDepth = 24;
+
+// Boxes of more cells than this are divided so often to see whether it pays.
+constexpr double kTrialCells = 64;
+constexpr int kTrialDepth = 5;
 constexpr double kMostCells = 1e8;
 constexpr int kUnbounded = 1000000;  // columns and rows of a box without bounds
 
@@ -82,7 +86,8 @@ class Divider {
  public:
   Divider(const FaceShape& shape, double tolerance) : shape_(shape), tolerance_(tolerance) {}
 
-  void divide(const SampleGrid& grid, int depth) {
+  // Adds the grids of a box and gives the number of their cells.
+  double divide(const SampleGrid& grid, int depth) {
     const double cells = double(grid.columns) * grid.rows;
     if (cells > 1 && depth < kMostDepth) {
       SampleGrid best[2];
@@ -100,16 +105,18 @@ class Divider {
           best[1] = half[1];
         }
       }
-      // A box of many cells may hide what only shows further down.
-      const bool coarse = depth < 4 && cells > 64;
-      if (least < (1 - kLeastSaving) * cells || (coarse && least <= cells * 1.02) || (cells > kMostCells && least < kInf)) {
-        divide(best[0], depth + 1);
-        divide(best[1], depth + 1);
-        return;
+      // A box of many cells may hide what only shows further down: it is divided on trial.
+      const bool on_trial = depth < kTrialDepth && cells > kTrialCells && least < kInf;
+      if (least < (1 - kLeastSaving) * cells || on_trial || (cells > kMostCells && least < kInf)) {
+        const std::size_t before = grids.size();
+        const double sum = divide(best[0], depth + 1) + divide(best[1], depth + 1);
+        if (sum < (1 - kLeastSaving) * cells) return sum;
+        grids.resize(before);
       }
     }
     grids.push_back(grid);
     if (grid.columns == kUnbounded) grids.back().columns = grids.back().rows = 1;
+    return grid.columns == kUnbounded ? 1 : cells;
   }
 
   // Where nothing is bounded (a crease inside) the box must be divided.

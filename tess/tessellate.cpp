@@ -18,6 +18,9 @@ namespace {
 // Segments of edges may use this share of the tolerance; what is left is for the triangles beside them.
 constexpr double kEdgeShare = 0.8;
 
+// A part is meshed to this share of its size at least: coarser meshes of closed faces fall flat.
+constexpr double kLargestDistance = 0.1;
+
 // Rounds after which what still touches or crosses is left as it is.
 constexpr int kMostRounds = 16;
 
@@ -229,6 +232,17 @@ class PartMesher {
 
 }  // namespace
 
-PartTessellation tessellate(const Part& part, const TessellationOptions& options) { return PartMesher(part, options).run(); }
+MakersNotes notes_of(const PartTessellation& made) {
+  MakersNotes notes{made.free_sides, {}};
+  for (const FaceReport& face : made.faces) notes.turned.push_back(face.turned);
+  return notes;
+}
+
+PartTessellation tessellate(const Part& part, const TessellationOptions& options) {
+  TessellationOptions kept = options;
+  const double most = kLargestDistance * part.box.diagonal();
+  if (most > 0) kept.distance = std::min(kept.distance, most);
+  return PartMesher(part, kept).run();
+}
 
 }  // namespace iso

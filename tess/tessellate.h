@@ -10,11 +10,12 @@
 #include "patches/brep.h"
 #include "patches/triangle_mesh.h"
 #include "tess/join_edges.h"
+#include "tess/verify.h"
 
 namespace iso {
 
 struct TessellationOptions {
-  double distance = 0;  // world units, positive: allowed between surface and mesh
+  double distance = 0;  // world units, positive: allowed between surface and mesh; more than a tenth of the part's size is not used
   double trim = 0;      // allowed between an edge and its polyline; 0: as `distance`
   double angle = kInf;  // radians: allowed between the surface's normals at any two corners of a triangle
   double sew = 0;       // world units: edges of different faces within this distance are one; 0: what the file states; negative: off
@@ -44,6 +45,9 @@ struct PartTessellation {
   int unresolved_edges = 0;  // segments of edges beyond the tolerance that could not be divided
   JoinReport joins;          // of edges that the file does not share
 };
+
+// For `verify`.
+MakersNotes notes_of(const PartTessellation& made);
 
 // Parallel over faces; the result does not depend on the number of threads.
 PartTessellation tessellate(const Part& part, const TessellationOptions& options);

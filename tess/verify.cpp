@@ -53,16 +53,25 @@ void check_in_space(const FaceMesh& f, FaceFindings& found) {
   }
 }
 
-void check_in_domain(const FaceMesh& f, FaceFindings& found) {
+void check_in_domain(const FaceMesh& f, bool turned, FaceFindings& found) {
   std::vector<std::array<UV, 3>> triangles;
   triangles.reserve(f.end - f.begin);
   for (std::uint32_t t = f.begin; t < f.end; ++t) {
     const auto& [a, b, c] = f.mesh->triangles[t];
     triangles.push_back({f.mesh->nodes[a].uv, f.mesh->nodes[b].uv, f.mesh->nodes[c].uv});
   }
-  const DomainOverlap overlap = domain_overlap(triangles, f.face->reversed ? -1 : 1);
+  const DomainOverlap overlap = domain_overlap(triangles, f.face->reversed != turned ? -1 : 1);
   for (const std::uint32_t t : overlap.turned) found.turned.push_back(f.begin + t);
   for (const auto& pair : overlap.overlapping) found.overlapping.push_back(f.begin + pair[1]);
+}
+
+void check_borders(const FaceMesh& f, const MakersNotes& notes, std::span<const OpenEdge> open, FaceFindings& found) {
+  for (const OpenEdge& e : open) {
+    const Triangle& t = f.mesh->triangles[e.triangle];
+    const auto corner = static_cast<std::size_t>(e.corner);
+    const auto [a, b] = std::minmax(f.mesh->nodes[t[corner]].point, f.mesh->nodes[t[(corner + 1) % 3]].point);
+    found.is_free.push_back(std::binary_search(notes.free_sides.begin(), notes.free_sides.end(), std::array{a, b}));
+  }
 }
 
 void check_borders(const FaceMesh& f, const Part& part, std::span<const OpenEdge> open, FaceFindings& found) {
@@ -79,7 +88,8 @@ void check_borders(const FaceMesh& f, const Part& part, std::span<const OpenEdge
 // Takes the findings of faces together, in their order.
 class Report {
  public:
-  Report(const Part& part, const PartMesh& mesh, const TopologyOptions& options) : part_(part), mesh_(mesh) {
+  Report(const Part& part, const PartMesh& mesh, const MakersNotes* notes, const TopologyOptions& options)
+      : part_(part), mesh_(mesh), notes_(notes) {
     ISO_CHECK(mesh.first_node.size() == part.faces.size() + 1 && mesh.first_triangle.size() == part.faces.size() + 1);
     ISO_CHECK(mesh.first_node.back() == mesh.nodes.size() && mesh.first_triangle.back() == mesh.triangles.size());
     report_.nodes = mesh.nodes.size();
@@ -100,8 +110,11 @@ class Report {
     tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t f) {
       const FaceMesh face(part_, mesh_, f);
       check_in_space(face, found[f]);
-      check_in_domain(face, found[f]);
-      check_borders(face, part_, open_of(f), found[f]);
+      check_in_domain(face, notes_ && f < notes_->turned.size() && notes_->turned[f], found[f]);
+      if (notes_)
+        check_borders(face, *notes_, open_of(f), found[f]);
+      else
+        check_borders(face, part_, open_of(f), found[f]);
     });
     for (std::size_t f = 0; f < found.size(); ++f) take(f, found[f]);
     name_faces();
@@ -152,6 +165,7 @@ class Report {
 
   const Part& part_;
   const PartMesh& mesh_;
+  const MakersNotes* notes_;
   std::vector<OpenEdge> open_;
   MeshReport report_;
 };
@@ -164,6 +178,12 @@ bool MeshReport::sound() const {
   return topology.sound();
 }
 
-MeshReport verify(const Part& part, const PartMesh& mesh, const TopologyOptions& options) { return Report(part, mesh, options).run(); }
+MeshReport verify(const Part& part, const PartMesh& mesh, const TopologyOptions& options) {
+  return Report(part, mesh, nullptr, options).run();
+}
+
+MeshReport verify(const Part& part, const PartMesh& mesh, const MakersNotes& notes, const TopologyOptions& options) {
+  return Report(part, mesh, &notes, options).run();
+}
 
 }  // namespace iso

@@ -2,6 +2,8 @@
 // by the model's edges. It measures no distances to the surface. Same input, same report, for any number of threads; O(n log n).
 #pragma once
 
+#include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,8 +42,15 @@ struct MeshReport {
   bool sound() const;
 };
 
+// What the maker of a mesh knows of it, which (u, v) alone do not tell for certain.
+struct MakersNotes {
+  std::span<const std::array<std::uint32_t, 2>> free_sides;  // pairs of points where the model is open, the smaller first, sorted
+  std::vector<bool> turned;                                  // faces that were turned against their surface, empty: none
+};
+
 // The mesh must belong to the part: as many faces, valid indices, finite numbers (ISO_CHECK).
 MeshReport verify(const Part& part, const PartMesh& mesh, const TopologyOptions& options = {});
+MeshReport verify(const Part& part, const PartMesh& mesh, const MakersNotes& notes, const TopologyOptions& options = {});
 
 // For people: a line for the counts and one for each kind that was found, with its first places.
 std::string text_of(const TopologyReport& report);

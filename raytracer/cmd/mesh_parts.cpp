@@ -120,7 +120,7 @@ MeshFigures mesh_parts(const std::vector<PartToMesh>& parts, const MeshSettings&
     const Deviation deviation = measure(*p.part, made.mesh, settings.sampling);
     figures.measure_seconds += clock.lap();
     step();
-    out.check = verify(*p.part, made.mesh);
+    out.check = verify(*p.part, made.mesh, notes_of(made));
     figures.verify_seconds += clock.lap();
     step();
 

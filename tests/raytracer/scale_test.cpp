@@ -106,13 +106,14 @@ void expect_same(const std::string& name, const Tracer& original, const Tracer& 
   c.told.fail(fmt::format("{} x {}", name, factor));
 }
 
-// Scaling by a transform leaves the part's own numbers alone: hardly a ray may differ.
+// Scaling by a transform leaves the part's own numbers alone: hardly a ray may differ. Those that do pass within the gap of an edge, where
+// rounding decides whether they meet one of its faces or both.
 void by_transform(const std::string& path, int count) {
   const auto model = load(path);
   const Tracer original = tracer_of(model);
   for (const double factor : {0.01, 100.0})
     expect_same(std::filesystem::path(path).filename().string() + " by transform", original,
-                tracer_of(model, Affine3{Mat3(factor), Vec3(0.0)}), factor, count, 1e-4);
+                tracer_of(model, Affine3{Mat3(factor), Vec3(0.0)}), factor, count, 2e-4);
 }
 
 // Rewritten geometry has new roundings, new parameters and tolerances of its own.

@@ -15,7 +15,7 @@ class Checker {
   Checker(const Part& part, const PartTessellation& made, double tolerance) : part_(part), made_(made), tolerance_(tolerance) {}
 
   void topology() {
-    const MeshReport r = verify(part_, made_.mesh);
+    const MeshReport r = verify(part_, made_.mesh, notes_of(made_));
     const TopologyReport& t = r.topology;
     open_edges();
     add("free edge called a crack", r.cracks);

@@ -22,7 +22,7 @@ struct Sewn {
 // Meshes the part; what must hold for every mesh is checked here.
 Sewn sewn(const Part& part, double distance, double sew = 0) {
   const PartTessellation result = tessellate(part, {distance, 0, kInf, sew});
-  Sewn s{result.joins, verify(part, result.mesh), 0, 0};
+  Sewn s{result.joins, verify(part, result.mesh, notes_of(result)), 0, 0};
   for (const FaceReport& face : result.faces) {
     s.bound = std::max(s.bound, face.bound);
     s.offset = std::max(s.offset, face.offset);
