@@ -17,6 +17,7 @@ constexpr int kMostDepth = 24;
 // Boxes of more cells than this are divided so often to see whether it pays.
 constexpr double kTrialCells = 64;
 constexpr int kTrialDepth = 5;
+constexpr double kLeastTrialSaving = 0.02;  // small savings add up
 constexpr double kMostCells = 1e8;
 constexpr int kUnbounded = 1000000;  // columns and rows of a box without bounds
 
@@ -99,7 +100,9 @@ class Divider {
         if (!cut(grid.box, axis, half[0].box, half[1].box)) continue;
         for (SampleGrid& h : half) fitted(h);
         const double sum = double(half[0].columns) * half[0].rows + double(half[1].columns) * half[1].rows;
-        if (sum < least) {
+        // Where neither direction saves anything yet they take turns.
+        const bool no_better = least < kInf && std::min(sum, least) > (1 - kLeastTrialSaving) * cells;
+        if (no_better ? depth % 2 == 0 : sum < least) {
           least = sum;
           best[0] = half[0];
           best[1] = half[1];
@@ -110,7 +113,7 @@ class Divider {
       if (least < (1 - kLeastSaving) * cells || on_trial || (cells > kMostCells && least < kInf)) {
         const std::size_t before = grids.size();
         const double sum = divide(best[0], depth + 1) + divide(best[1], depth + 1);
-        if (sum < (1 - kLeastSaving) * cells) return sum;
+        if (sum < (1 - (on_trial ? kLeastTrialSaving : kLeastSaving)) * cells) return sum;
         grids.resize(before);
       }
     }
