@@ -68,11 +68,31 @@ void add_figures(Json& json, const FaceFigures& f) {
   json["crossings"] = f.report.crossings;
 }
 
+// The longest list of open borders that is told.
+constexpr std::size_t kBordersTold = 100;
+
+Json json_of(const JoinReport& joins) {
+  Json open = Json::array();
+  for (const OpenBorder& border : joins.open) {
+    if (open.size() == kBordersTold) break;
+    open.push_back({{"face", border.face},
+                    {"edge", border.part_edge < 0 ? Json() : Json(border.part_edge)},
+                    {"from", json_of(border.from)},
+                    {"to", json_of(border.to)},
+                    {"length", border.length},
+                    {"width", border.width}});
+  }
+  return {{"free_edges", joins.free_edges}, {"joined", joins.joined},       {"split", joins.split},
+          {"collapsed", joins.collapsed},   {"tolerance", joins.tolerance}, {"widest", joins.widest},
+          {"looked", joins.looked},         {"open", joins.open.size()},    {"open_borders", open}};
+}
+
 std::string face_line(const PartFigures& part, std::size_t f) {
   const Face& face = part.part->faces[f];
   Json json{{"index", f}, {"name", face.name}, {"kind", kind_name(face.surface)}};
   add_figures(json, part.faces[f]);
   const TriangleShapes& shapes = part.check.shapes_of_face[f];
+  json["turned"] = part.faces[f].report.turned;
   json["slivers"] = shapes.slivers;
   json["smallest_angle"] = shapes.triangles > 0 ? Json(shapes.smallest_angle) : Json();
   json["failure"] = part.faces[f].report.failure.empty() ? Json() : Json(part.faces[f].report.failure);
@@ -94,6 +114,8 @@ std::string part_text(const PartFigures& part) {
             {"unresolved_edges", part.unresolved_edges},
             {"worst_face", part.worst_face < 0 ? Json() : Json(part.worst_face)}};
   add_figures(json, part.all);
+  json["turned_faces"] = part.turned;
+  json["sewing"] = json_of(part.joins);
   json["topology"] = json_of(part.check);
   std::string text = open_object(json, "    ") + "      \"faces\": [";
   for (std::size_t f = 0; f < part.faces.size(); ++f) text += (f == 0 ? "\n        " : ",\n        ") + face_line(part, f);

@@ -62,6 +62,19 @@ void move_places(MeshReport& check, const Affine3& place) {
     for (MeshPlace& at : finding->places) at.at = place.point(at.at);
 }
 
+JoinReport placed(JoinReport joins, double stretch, const Affine3& place) {
+  joins.tolerance *= stretch;
+  joins.widest *= stretch;
+  joins.looked *= stretch;
+  for (OpenBorder& border : joins.open) {
+    border.length *= stretch;
+    border.width *= stretch;
+    border.from = place.point(border.from);
+    border.to = place.point(border.to);
+  }
+  return joins;
+}
+
 // The figures of a part's faces, and of all of them.
 void take_figures(PartFigures& out, const PartTessellation& made, const Deviation& deviation, double distance, const Affine3& place) {
   const double rounding = kMeasureRounding * out.part->box.diagonal();
@@ -114,7 +127,7 @@ MeshFigures mesh_parts(const std::vector<PartToMesh>& parts, const MeshSettings&
 
     Clock clock;
     const double distance = settings.distance / out.stretch;
-    PartTessellation made = tessellate(*p.part, {distance, settings.trim / out.stretch, settings.angle});
+    PartTessellation made = tessellate(*p.part, {distance, settings.trim / out.stretch, settings.angle, settings.sew / out.stretch});
     figures.mesh_seconds += clock.lap();
     step();
     const Deviation deviation = measure(*p.part, made.mesh, settings.sampling);
@@ -127,6 +140,8 @@ MeshFigures mesh_parts(const std::vector<PartToMesh>& parts, const MeshSettings&
     move_places(out.check, place);
     out.rounds = made.rounds;
     out.unresolved_edges = made.unresolved_edges;
+    out.joins = placed(made.joins, out.stretch, place);
+    for (const FaceReport& face : made.faces) out.turned += face.turned;
     take_figures(out, made, deviation, distance, place);
     meshes.parts.push_back(std::move(made.mesh));
     figures.parts.push_back(std::move(out));

@@ -18,6 +18,7 @@ struct MeshSettings {
   double trim = 0;      // world units; 0: as `distance`
   double angle = kInf;  // radians, between normals in the coordinates of the part
   Sampling sampling = Sampling::quick;
+  double sew = 0;  // world units; 0: within the file's tolerances; negative: nothing is joined
 };
 
 // A part and where it stands; the first place is the one that is told. Without any it stands where its own coordinates say.
@@ -48,6 +49,8 @@ struct PartFigures {
   int placements = 1;
   double stretch = 1;  // the largest factor by which a placement lengthens; the part was meshed finer by it
   int rounds = 0, unresolved_edges = 0;
+  JoinReport joins;  // lengths and places in coordinates of the world, as all here
+  int turned = 0;    // faces that looked to the other side than their neighbours
   std::vector<FaceFigures> faces;
   FaceFigures all;
   int worst_face = -1;  // where `all.measured` is

@@ -116,6 +116,27 @@ std::string length_text(double length, const std::string& unit) {
   return fmt::format("{:.3g}{}{}", length, unit.empty() ? "" : " ", unit);
 }
 
+namespace {
+
+// What was joined and turned, if anything.
+std::string repairs_text(const MeshFigures& figures) {
+  std::uint64_t joined = 0, turned = 0;
+  double widest = 0;
+  for (const PartFigures& part : figures.parts) {
+    joined += static_cast<std::uint64_t>(part.joins.joined);
+    turned += static_cast<std::uint64_t>(part.turned);
+    widest = std::max(widest, part.joins.widest);
+  }
+  std::string text;
+  if (joined > 0)
+    text += fmt::format("; {} of edges joined, up to {} apart", counted(joined, "pair", "pairs"), length_text(widest, figures.unit));
+  if (turned > 0)
+    text += fmt::format("; {} turned to the side of {} neighbours", counted(turned, "face", "faces"), turned == 1 ? "its" : "their");
+  return text;
+}
+
+}  // namespace
+
 std::string summary_text(const MeshFigures& figures) {
   const MeshTotals all = totals_of(figures);
   std::string text;
@@ -125,6 +146,7 @@ std::string summary_text(const MeshFigures& figures) {
                       counted(all.open_edges, "open edge", "open edges"));
   if (all.open_edges > 0 && all.cracks == 0) text += ", as in the model";
   if (all.cracks > 0) text += fmt::format(" ({} where the model is closed)", grouped(all.cracks));
+  text += repairs_text(figures);
   text += fmt::format("; distance bound {}, measured {}", length_text(all.bound, figures.unit), length_text(all.measured, figures.unit));
   if (all.worst_part >= 0) {
     const PartFigures& worst = figures.parts[static_cast<std::size_t>(all.worst_part)];

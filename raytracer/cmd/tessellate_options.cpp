@@ -31,6 +31,8 @@ std::shared_ptr<TessellateOptions> declare_tessellate_options(CLI::App& command)
                      "allowed distance, either way: 1e-4d (diagonals), 0.05mm, or in units of the model [1e-3d]");
   command.add_option("--trim-tolerance", options->trim_tolerance, "the same for edges and their polylines [as --tolerance]");
   command.add_option("--angle", options->angle, "allowed between the normals at two corners of a triangle, degrees [any]");
+  command.add_option("--sew", options->sew,
+                     "join edges of faces that share none: auto (within the file's tolerances), off, or a length like --tolerance [auto]");
   command.add_option("--report", options->report, "JSON file to write: the figures of every face, what was verified");
   command.add_option("--measure", options->measure, "quick (4 points a triangle) or fine (20) [quick]")
       ->check(CLI::IsMember({"quick", "fine"}));
@@ -47,6 +49,8 @@ Status check_request(const TessellateOptions& options) {
   if (const auto tolerance = tolerance_named(options.tolerance); !tolerance) return tolerance.error();
   if (!options.trim_tolerance.empty())
     if (const auto trim = tolerance_named(options.trim_tolerance, "--trim-tolerance"); !trim) return trim.error();
+  if (options.sew != "auto" && options.sew != "off")
+    if (const auto sew = tolerance_named(options.sew, "--sew"); !sew) return sew.error();
   if (options.angle && !(*options.angle >= kLeastAngle && *options.angle <= 180))
     return bad_option({}, fmt::format("--angle: found {}, expected degrees from {} to 180", *options.angle, kLeastAngle));
   for (const std::string& path : {options.output, options.report}) {
@@ -71,6 +75,12 @@ Result<MeshSettings> settings_for(const TessellateOptions& options, const Model&
     const auto trim = in_units(*tolerance_named(options.trim_tolerance), diagonal, model.unit, "--trim-tolerance");
     if (!trim) return trim.error();
     settings.trim = *trim;
+  }
+  if (options.sew == "off") settings.sew = -1;
+  if (options.sew != "auto" && options.sew != "off") {
+    const auto sew = in_units(*tolerance_named(options.sew, "--sew"), diagonal, model.unit, "--sew");
+    if (!sew) return sew.error();
+    settings.sew = *sew;
   }
   if (options.angle) settings.angle = *options.angle * std::numbers::pi / 180;
   if (options.measure == "fine") settings.sampling = Sampling::fine;

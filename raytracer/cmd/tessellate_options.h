@@ -13,7 +13,7 @@ namespace iso {
 
 struct TessellateOptions {
   std::string model, output, report;  // no output: no mesh is written, no report: none
-  std::string tolerance = "1e-3d", trim_tolerance, measure = "quick", progress = "auto";
+  std::string tolerance = "1e-3d", trim_tolerance, sew = "auto", measure = "quick", progress = "auto";
   std::optional<double> angle;  // degrees
   int threads = 0;              // 0: all
   bool quiet = false;
