@@ -177,9 +177,11 @@ double FaceShape::segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) 
 FaceShape::Placed FaceShape::place(UV uv, const TangentJet& at) const {
   const Vec3 cross = glm::cross(at.Su, at.Sv);
   const double area = glm::length(cross);
-  // Near a pole the limit from inside decides.
-  constexpr double kLeastSine = 1e-6;
-  const bool regular = area > kLeastSine * glm::length(at.Su) * glm::length(at.Sv) && area > 0;
+  // At a pole the limit from inside decides: there one derivative is nothing but rounding, of any sign.
+  constexpr double kLeastSine = 1e-6, kLeastExtent = 1e-9;
+  const double su = glm::length(at.Su), sv = glm::length(at.Sv);
+  const Vec2 extent = Vec2(su, sv) * face_->domain.size();
+  const bool regular = area > kLeastSine * su * sv && std::min(extent.x, extent.y) > kLeastExtent * std::max(extent.x, extent.y);
   const Vec3 n = regular ? cross / area : unit_normal(face_->surface, uv, face_->domain);
   return {at.S, face_->reversed ? -n : n};
 }

@@ -159,6 +159,23 @@ TEST(TessellateShapes, PolesWithSeamsAndLoops) {
     }
 }
 
+// Rounding may put the end of a file's domain just beyond a pole, where the derivative along the parallel points backward.
+TEST(TessellateShapes, NormalsAtPolesLookOutward) {
+  constexpr double kBeyond = 4 * kEps;
+  const auto ball = finished(untrimmed("ball", Sphere{{}, 1}, {Vec2(0, -kPi / 2 - kBeyond), Vec2(kTwoPi, kPi / 2 + kBeyond)}, 2,
+                                       [](const Point3& p) { return std::abs(glm::length(p) - 1); }));
+  int poles = 0;
+  for (const double T : kTolerances) {
+    const PartTessellation made = tessellated(ball, T);
+    for (const MeshNode& node : made.mesh.nodes) {
+      const Point3& p = made.mesh.points[node.point];
+      EXPECT_GT(glm::dot(node.normal, p), 0.999 * glm::length(p)) << node.uv.x << " " << node.uv.y;
+      poles += std::abs(p.z) > 0.9999;
+    }
+  }
+  EXPECT_GE(poles, 6);
+}
+
 TEST(TessellateShapes, AnApexInsideAndAtTheEnd) {
   for (const double T : kTolerances) {
     tessellated(finished(solid_cone({}, 1)), T);
