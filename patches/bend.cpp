@@ -252,7 +252,27 @@ NurbsSurface as_nurbs(const Extrusion& s, const Range& v) {
 
 }  // namespace
 
-BendTree::BendTree(const AnySurface& surface, const Box2& domain, double tolerance) : domain_(domain) {
+namespace {
+
+// A domain that reaches beyond a knot by rounding only ends at that knot: pieces of next to no width have no derivatives to speak of.
+Box2 ending_at_knots(const AnySurface& surface, Box2 domain) {
+  constexpr double kRounding = 1e-7;
+  const auto* nurbs = std::get_if<NurbsSurface>(&surface);
+  if (!nurbs) return domain;
+  for (int k = 0; k < 2; ++k) {
+    const double slack = kRounding * domain.size()[k];
+    for (const double knot : k == 0 ? breakpoints(nurbs->knots_u, nurbs->degree_u) : breakpoints(nurbs->knots_v, nurbs->degree_v)) {
+      if (std::abs(knot - domain.lo[k]) < slack) domain.lo[k] = knot;
+      if (std::abs(knot - domain.hi[k]) < slack) domain.hi[k] = knot;
+    }
+  }
+  return domain;
+}
+
+}  // namespace
+
+BendTree::BendTree(const AnySurface& surface, const Box2& whole, double tolerance) : domain_(ending_at_knots(surface, whole)) {
+  const Box2& domain = domain_;
   touch_ = 16 * kEps * glm::max(glm::abs(domain.lo), glm::abs(domain.hi));
   BendTreeBuilder builder(*this, tolerance);
   if (has_closed_form_bend(surface))

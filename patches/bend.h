@@ -33,6 +33,19 @@ struct KnotJump {
   bool crease = false;  // the tangent plane jumps too
 };
 
+// A bound times an extent: of no extent nothing counts, not even infinity.
+inline double times(double bound, double extent) { return extent == 0 ? 0.0 : bound * extent; }
+
+// |d^T S'' d| for a step d of (u, v), at most.
+inline double second_difference(const Bend& bend, const Vec2& d) {
+  return times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, std::abs(d.x * d.y)) + times(bend.Mvv, d.y * d.y);
+}
+
+// How far S strays from its linear interpolation over a box of this extent because its first derivative jumps, at most.
+inline double kink_stray(const BoxBend& bend, const Vec2& extent) {
+  return 0.25 * (times(bend.kink_u, extent.x) + times(bend.kink_v, extent.y));
+}
+
 // Divides the domain once, until the bounds of a cell are tight (the spread of each range small against its largest magnitude in it), then
 // answers for any box: with the hull over the cells that the box meets. Planes, cylinders, cones, spheres, tori, and extrusions of lines
 // and conics need no cells: their bounds are closed forms of the box itself, exact but for rounding.

@@ -65,8 +65,6 @@ const Vec4& corner(const HomogeneousNet& f, int k) {
   return f.c[i * (f.pv + 1) + j];
 }
 
-double largest(const Range& r) { return std::max(std::abs(r.lo), std::abs(r.hi)); }
-
 }  // namespace
 
 void PatchBend::load(const BezierPatch& patch) {
@@ -239,9 +237,9 @@ Range PatchBend::along_normal(const HomogeneousNet& f) {
 bool PatchBend::bound_second_form(const Tangents& u, const Tangents& v, double rounding, Bend& bend) {
   if (!(u.least > 0) || !(v.least > 0) || !set_normals()) return false;
   const int pu = S_.pu, pv = S_.pv;
-  const double s = rational_ ? largest(along_normal(S_)) + 2 * rounding : 0.0;
-  const double a = largest(along_normal(Su_)) + wu_ * s + 2 * pu * rounding;
-  const double b = largest(along_normal(Sv_)) + wv_ * s + 2 * pv * rounding;
+  const double s = rational_ ? along_normal(S_).magnitude() + 2 * rounding : 0.0;
+  const double a = along_normal(Su_).magnitude() + wu_ * s + 2 * pu * rounding;
+  const double b = along_normal(Sv_).magnitude() + wv_ * s + 2 * pv * rounding;
   // The cosine between Su and Sv: that of their axes, moved by the half angles of their cones.
   const double c0 = std::min(1.0, std::abs(glm::dot(u.axis, v.axis))), s0 = glm::length(glm::cross(u.axis, v.axis));
   const double open = 1 - u.tangent * v.tangent;

@@ -10,11 +10,11 @@
 #include <atomic>
 #include <chrono>
 #include <cstring>
-#include <iterator>
 #include <map>
 
 #include "raytracer/all_hits.h"
 #include "raytracer/embree_triangles.h"
+#include "raytracer/face_hits.h"
 #include "raytracer/packet.h"
 #include "raytracer/tracer.h"
 #include "raytracer/triangle_hits.h"
@@ -439,93 +439,25 @@ void Tracer::all(std::span<const Ray> rays, std::vector<Hit>& hits, std::vector<
 
 // ---- surroundings of a hit ---------------------------------------------------------------------------------------------
 
-namespace {
-
-SurfacePoint exact_point(const Placed& placed, const PlacedPart& part, const Hit& hit) {
-  const Face& f = placed.part->faces[static_cast<std::size_t>(hit.face)];
-  Jet2 j = jet2(f.surface, hit.uv);
-  SurfacePoint out;
-  const double terms = part.part->geometry.size + size_of_terms(f.surface, j.S);
-  Vec3 normal = unit_normal(f.surface, hit.uv, f.domain);
-  if (f.reversed) normal = -normal;
-  out.p = placed.to_world.point(j.S);
-  for (Vec3* d : {&j.Su, &j.Sv, &j.Suu, &j.Suv, &j.Svv}) *d = placed.to_world.vector(*d);
-  out.Su = j.Su;
-  out.Sv = j.Sv;
-  out.n = normal == Vec3(0.0) ? normal : transform_normal(part.to_part, normal);
-  const Curvatures k = principal_curvatures(j, out.n);
-  out.k1 = k.k1;
-  out.k2 = k.k2;
-  out.error_bound = rounding_of_point(placed.to_world, terms, out.p);
-  out.ng = out.side = out.n;
-  return out;
-}
-
-}  // namespace
-
 SurfacePoint Tracer::surface_point(const Hit& hit) const {
   const Placed& placed = impl_->scene.placed[static_cast<std::size_t>(hit.placed)];
   const PlacedPart& part = impl_->placed[static_cast<std::size_t>(hit.placed)];
-  if (!placed.mesh) return exact_point(placed, part, hit);
-  return point_on_triangle(placed, part.to_part, part.part->geometry.size, hit, impl_->scene.mesh_shading, impl_->scene.terminator);
+  const double size = part.part->geometry.size;
+  if (!placed.mesh) return point_on_face(placed, part.to_part, size, hit);
+  return point_on_triangle(placed, part.to_part, size, hit, impl_->scene.mesh_shading, impl_->scene.terminator);
 }
 
 Curvatures Tracer::curvatures(const Hit& hit) const {
-  const auto i = static_cast<std::size_t>(hit.placed);
-  const SurfacePoint exact = exact_point(impl_->scene.placed[i], impl_->placed[i], hit);
+  const PlacedPart& part = impl_->placed[static_cast<std::size_t>(hit.placed)];
+  const SurfacePoint exact =
+      point_on_face(impl_->scene.placed[static_cast<std::size_t>(hit.placed)], part.to_part, part.part->geometry.size, hit);
   return {exact.k1, exact.k2};
 }
-
-namespace {
-
-std::vector<int> edges_of(const Face& face) {
-  std::vector<int> edges;
-  for (const TrimLoop& loop : face.loops)
-    for (const TrimCurve& curve : loop.curves)
-      if (curve.edge >= 0) edges.push_back(curve.edge);
-  std::sort(edges.begin(), edges.end());
-  return edges;
-}
-
-// Hits this many gaps away from an edge, along the surface, belong to it: rays at an angle and gaps between samples included.
-constexpr double kGapsFromEdge = 4;
-
-}  // namespace
 
 bool Tracer::meet_at_loose_edge(const Hit& a, const Hit& b) const {
   if (a.placed != b.placed) return false;
   const PartGeometry& geometry = impl_->placed[static_cast<std::size_t>(a.placed)].part->geometry;
-  if (geometry.trims.empty()) return false;  // a mesh
-  const Face &fa = face(a), &fb = face(b);
-  const Point3 pa = point(fa.surface, a.uv), pb = point(fb.surface, b.uv);
-  if (glm::length(pa - pb) > 16 * geometry.largest_gap) return false;
-  const std::vector<int> ea = edges_of(fa), eb = edges_of(fb);
-  std::vector<int> shared;
-  if (a.face != b.face) {
-    std::set_intersection(ea.begin(), ea.end(), eb.begin(), eb.end(), std::back_inserter(shared));
-  } else {  // the seams of one face
-    for (std::size_t i = 1; i < ea.size(); ++i)
-      if (ea[i] == ea[i - 1]) shared.push_back(ea[i]);
-  }
-  for (const int e : shared) {
-    const double reach = kGapsFromEdge * geometry.part->edges[static_cast<std::size_t>(e)].closing;
-    if (reach > 0 && glm::length(pa - pb) <= 4 * reach &&
-        geometry.trims[static_cast<std::size_t>(a.face)].distance_to_edge(a.uv, e, fa.surface) <= reach &&
-        geometry.trims[static_cast<std::size_t>(b.face)].distance_to_edge(b.uv, e, fb.surface) <= reach)
-      return true;
-  }
-  return false;
-}
-
-Ray secondary_ray(const Hit& hit, const SurfacePoint& at, const Vec3& direction, double tmax) {
-  const double side = glm::dot(at.side, direction) < 0 ? -1.0 : 1.0;
-  const bool under = side * glm::dot(at.ng, direction) < 0;
-  return {at.p + (side < 0 ? at.lift_in : at.lift_out) + side * at.error_bound * at.ng,
-          direction,
-          0,
-          tmax,
-          hit.placed,
-          under ? -1 : hit.primitive};
+  return !geometry.trims.empty() && iso::meet_at_loose_edge(geometry, a, b);  // a mesh has no trims
 }
 
 }  // namespace iso

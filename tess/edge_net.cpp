@@ -39,9 +39,6 @@ Offset offset_from_segment(const Placed& p, const Point3& a, const Point3& b) {
   return {glm::length(r), glm::length(r - glm::dot(r, p.normal) * p.normal)};
 }
 
-// Of no extent nothing counts, not even infinity.
-double times(double m, double by) { return by == 0 ? 0.0 : m * by; }
-
 // Parameters inside (lo, hi) at which a NURBS has a knot of full multiplicity.
 void add_kinks(const NurbsCurve<Vec2>& curve, std::vector<double>& at) {
   const auto& k = curve.knots;
@@ -191,8 +188,7 @@ SegmentError EdgeNet::error_of(int use, const OnUse& a, const OnUse& b) const {
                      from.speed.y + times(bend.Muv, d.x) + times(bend.Mvv, d.y) + bend.kink_v);
     return curves_[static_cast<std::size_t>(use)].sliver(parameter_at(u, from.own), parameter_at(u, to.own), from.uv, to.uv,
                                                          glm::max(from.moved, to.moved), speed) +
-           (times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, d.x * d.y) + times(bend.Mvv, d.y * d.y)) / 8 +
-           (times(bend.kink_u, d.x) + times(bend.kink_v, d.y)) / 4;
+           second_difference(bend, d) / 8 + kink_stray(bend, d);
   };
   // The curve is compared with the chord at some places; between them it strays from its own short chords by little.
   OnUse from = a;

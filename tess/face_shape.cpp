@@ -28,15 +28,6 @@ Range form_range(const Bend& bend, const Vec2& d) {
   return {a.lo + b.lo + c.lo, a.hi + b.hi + c.hi};
 }
 
-double form_size(const Bend& bend, const Vec2& d) {
-  const auto times = [](double m, double by) { return by == 0 ? 0.0 : m * by; };
-  return times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, std::abs(d.x * d.y)) + times(bend.Mvv, d.y * d.y);
-}
-
-double kink_of(const BoxBend& bend, const Vec2& extent) { return 0.25 * (bend.kink_u * extent.x + bend.kink_v * extent.y); }
-
-double largest_size(const Range& r) { return std::max(std::abs(r.lo), std::abs(r.hi)); }
-
 // Where the shift along the surface is more than this share of its radius of curvature, the bound does not separate it.
 constexpr double kMostShift = 0.25;
 
@@ -67,42 +58,21 @@ double sphere_bound(const Sphere& sphere, const std::array<Point3, 3>& S) {
 
 }  // namespace
 
-namespace {
-
-// A domain that reaches beyond a knot by rounding only ends at that knot.
-Box2 bend_domain(const Face& face) {
-  constexpr double kRounding = 1e-7;
-  Box2 box = face.domain;
-  const auto* nurbs = std::get_if<NurbsSurface>(&face.surface);
-  if (!nurbs) return box;
-  for (int k = 0; k < 2; ++k) {
-    const double slack = kRounding * box.size()[k];
-    for (const double knot : k == 0 ? breakpoints(nurbs->knots_u, nurbs->degree_u) : breakpoints(nurbs->knots_v, nurbs->degree_v)) {
-      if (std::abs(knot - box.lo[k]) < slack) box.lo[k] = knot;
-      if (std::abs(knot - box.hi[k]) < slack) box.hi[k] = knot;
-    }
-  }
-  return box;
-}
-
-}  // namespace
-
-FaceShape::FaceShape(const Face& face, double tolerance)
-    : face_(&face), eval_(face.surface), bend_(face.surface, bend_domain(face), tolerance) {}
+FaceShape::FaceShape(const Face& face, double tolerance) : face_(&face), eval_(face.surface), bend_(face.surface, face.domain, tolerance) {}
 
 double bound_in(const BoxBend& bend, const std::array<UV, 3>& uv, double longest) {
   const Vec2 extent = glm::max(glm::max(uv[0], uv[1]), uv[2]) - glm::min(glm::min(uv[0], uv[1]), uv[2]);
   const std::array<Vec2, 3> d{uv[1] - uv[0], uv[2] - uv[1], uv[0] - uv[2]};
   // Where the first derivative jumps in size or direction, but not out of the tangent plane, S strays from L along the surface only.
-  const double jump = kink_of(bend, extent);
-  const double size = largest_of_form(form_size(bend, d[0]), form_size(bend, d[1]), form_size(bend, d[2])) + jump;
+  const double jump = kink_stray(bend, extent);
+  const double size = largest_of_form(second_difference(bend, d[0]), second_difference(bend, d[1]), second_difference(bend, d[2])) + jump;
   if (!(bend.curvature * size <= kMostShift)) return size;
   // The normal is taken at another point than the second derivative: it turns by at most the angle `turn` between them.
   const double turn = std::min(1.0, bend.curvature * (longest + 2 * size));
   const auto widened = [&](const Range& h, double M) {
     const double least = h.lo > 0 ? h.lo : (h.hi < 0 ? -h.hi : 0.0);
     const double tangential = std::sqrt(std::max(0.0, M * M - least * least));
-    const double by = turn * tangential + 0.5 * turn * turn * largest_size(h);
+    const double by = turn * tangential + 0.5 * turn * turn * h.magnitude();
     return Range{h.lo - by, h.hi + by};
   };
   Bend wide = bend;

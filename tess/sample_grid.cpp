@@ -33,11 +33,9 @@ struct CellForm {
   }
 };
 
-double larger(const Range& r) { return std::max(std::abs(r.lo), std::abs(r.hi)); }
-
 CellForm form_of(const Bend& bend, const FaceShape& shape) {
   // Where no normal is certain (poles, creases) the whole second derivative counts.
-  const auto pick = [](const Range& r, double M) { return std::min(larger(r), M); };
+  const auto pick = [](const Range& r, double M) { return std::min(r.magnitude(), M); };
   CellForm form{pick(bend.uu, bend.Muu), pick(bend.uv, bend.Muv), pick(bend.vv, bend.Mvv), false};
   form.saddle = (bend.uu.lo >= 0 && bend.vv.hi <= 0) || (bend.uu.hi <= 0 && bend.vv.lo >= 0);
   if (std::holds_alternative<Plane>(shape.face().surface)) form = {};

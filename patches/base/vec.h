@@ -34,6 +34,7 @@ struct Range {
   bool empty() const { return lo > hi; }
   double width() const { return hi - lo; }
   double middle() const { return 0.5 * (lo + hi); }
+  double magnitude() const { return std::max(std::abs(lo), std::abs(hi)); }  // the largest in it; not of an empty one
   bool contains(double x) const { return lo <= x && x <= hi; }
   void include(double x) {
     lo = std::min(lo, x);
