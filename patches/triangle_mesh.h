@@ -1,4 +1,5 @@
-// Triangle meshes of the faces of a part. The tessellator makes them, writers store them, the ray tracer renders them.
+// Triangle meshes of the faces of a part. The tessellator makes them, writers store them, the ray tracer renders them. And meshes of
+// others.
 //
 // A point is a place in space; a node is a point as one face sees it, with its (u, v) and normal there. Nodes of several faces share the
 // points of an edge, so a mesh is watertight where the indices of points say so. Nodes and triangles are stored face by face.
@@ -6,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "patches/base/vec.h"
@@ -34,6 +36,18 @@ struct PartMesh {
 // The meshes of the parts of a model, in its order; instances are those of the model.
 struct ModelMesh {
   std::vector<PartMesh> parts;
+};
+
+using PointTriangle = std::array<std::uint32_t, 3>;  // indices of points
+
+// A mesh of any origin, as a file has it: it knows nothing of surfaces.
+struct ForeignMesh {
+  std::string file, format;    // "STL", "OBJ", "PLY", "glTF"
+  std::string unit;            // of the coordinates where the format fixes it ("m": glTF), else empty
+  std::vector<Point3> points;  // equal places are one point
+  std::vector<PointTriangle> triangles;
+  double rounding = 0;             // how far the file's number format may have moved a point, in its units; 0: doubles or text
+  std::vector<std::string> notes;  // what was mended or left out, a line each
 };
 
 }  // namespace iso

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "patches/base/vec.h"
+#include "patches/triangle_mesh.h"
 
 namespace iso {
 
@@ -28,8 +28,6 @@ struct Finding {
     if (count++ < kPlaces) places.push_back(place);
   }
 };
-
-using PointTriangle = std::array<std::uint32_t, 3>;  // indices of points
 
 struct TopologyReport {
   std::uint64_t points = 0, triangles = 0, edges = 0;
