@@ -11,22 +11,21 @@ namespace {
 
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD", kNarrowBlank = "\xE2\x80\xAF", kEllipsis = "\xE2\x80\xA6";
 
-// The length of the well-formed sequence that `text` begins with; 0: there is none. [Unicode 15, table 3-7]
-std::size_t sequence_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const auto follows = [&](std::size_t i, unsigned lo = 0x80, unsigned hi = 0xBF) { return lo <= byte(i) && byte(i) <= hi; };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  if (first >= 0xC2 && first <= 0xDF) return follows(1) ? 2 : 0;
-  if (first >= 0xE0 && first <= 0xEF) {
-    const unsigned lo = first == 0xE0 ? 0xA0 : 0x80, hi = first == 0xED ? 0x9F : 0xBF;
-    return follows(1, lo, hi) && follows(2) ? 3 : 0;
+// The character that `text` begins with, or the bytes that are the longest beginning of one but none. [Unicode 15, table 3-7 and 3.9]
+struct Sequence {
+  std::size_t size = 1;
+  bool valid = false;
+};
+Sequence sequence_at(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text[0]);
+  if (first < 0x80) return {1, true};
+  const std::size_t size = first >= 0xC2 && first <= 0xDF ? 2 : first >= 0xE0 && first <= 0xEF ? 3 : first >= 0xF0 && first <= 0xF4 ? 4 : 1;
+  unsigned lo = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80, hi = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;
+  for (std::size_t i = 1; i < size; ++i, lo = 0x80, hi = 0xBF) {
+    const unsigned byte = i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
+    if (byte < lo || byte > hi) return {i, false};
   }
-  if (first >= 0xF0 && first <= 0xF4) {
-    const unsigned lo = first == 0xF0 ? 0x90 : 0x80, hi = first == 0xF4 ? 0x8F : 0xBF;
-    return follows(1, lo, hi) && follows(2) && follows(3) ? 4 : 0;
-  }
-  return 0;
+  return {size, size > 1};
 }
 
 // Characters that XML or a terminal would stumble over: C0 but tab and line feed, DEL and C1.
@@ -41,10 +40,10 @@ bool is_control(std::string_view sequence) {
 std::string valid_utf8(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = sequence_length(text.substr(i));
-    const std::string_view sequence = text.substr(i, std::max<std::size_t>(1, length));
-    out += length == 0 || is_control(sequence) ? kReplacement : sequence;
-    i += sequence.size();
+    const Sequence sequence = sequence_at(text.substr(i));
+    const std::string_view bytes = text.substr(i, sequence.size);
+    out += !sequence.valid || is_control(bytes) ? kReplacement : bytes;
+    i += sequence.size;
   }
   return out;
 }
@@ -85,7 +84,7 @@ std::string link_to(std::string_view file) {
 std::string shortened(std::string_view text, std::size_t count) {
   const std::string valid = valid_utf8(text);
   std::size_t seen = 0, cut = 0;
-  for (std::size_t i = 0; i < valid.size(); i += sequence_length(std::string_view(valid).substr(i))) {
+  for (std::size_t i = 0; i < valid.size(); i += sequence_at(std::string_view(valid).substr(i)).size) {
     if (seen + 1 == count) cut = i;
     if (++seen > count) return valid.substr(0, cut) + std::string(kEllipsis);
   }
