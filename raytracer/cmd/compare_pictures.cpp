@@ -95,12 +95,12 @@ class Pictures {
   int films_, films_done_ = 0;
 };
 
-// The scale from zero to `hi`, or to the largest value there is.
-ReportLegend legend_for(const std::string& key, const std::string& unit, const std::vector<double>& values, std::optional<double> hi) {
+// Zero if nothing is known.
+double largest_of(const std::vector<double>& values) {
   double largest = 0;
   for (const double value : values)
     if (value > largest) largest = value;
-  return {key, unit, 0, hi.value_or(largest), even_scale()};
+  return largest;
 }
 
 struct FieldToPaint {
@@ -117,8 +117,9 @@ Result<PictureFile> field_file(Pictures& pictures, const std::string& name, cons
   std::vector<double> values = field_values(*film);
   NamedPlane plane{what.plane, {}};
   for (double& value : values) plane.values.push_back(static_cast<float>(value *= what.factor));
-  const auto hi = what.scale ? std::optional(what.factor * *what.scale) : std::nullopt;
-  ReportPicture picture{what.key, what.title, {}, {}, legend_for(what.key, what.unit, values, hi)};
+  ReportLegend legend{what.key, what.unit, 0, largest_of(values), even_scale()};
+  if (what.scale) legend.hi = what.factor * *what.scale;
+  ReportPicture picture{what.key, what.title, {}, {}, std::move(legend)};
   const Image shown = scale_picture(values, pictures.image_of(*film), *picture.legend);
   return pictures.drawn_file(name, std::move(picture), shown, std::move(plane));
 }
@@ -195,6 +196,14 @@ Placed placed_foreign(const ForeignMesh& foreign) {
   placed.name = foreign.file;
   placed.mesh = std::move(mesh);
   return placed;
+}
+
+void paint_evenly(TraceScene& scene) {
+  constexpr Colour kNeutral{0.93f, 0.885f, 0.82f};
+  for (Placed& placed : scene.placed) {
+    placed.colour = kNeutral;
+    placed.colour_overrides = true;
+  }
 }
 
 Result<DirectPicture> picture_direct(const Tracer& exact, const PictureSettings& settings, const PictureProgress& progress) {

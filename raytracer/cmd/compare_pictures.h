@@ -16,6 +16,9 @@ namespace iso {
 // A mesh of others as it can be traced: one part with one face, in the world's coordinates; its normals are those of the triangles.
 Placed placed_foreign(const ForeignMesh& mesh);
 
+// One colour for everything: those of a model's file, which meshes of others do not have, would count as differences.
+void paint_evenly(TraceScene& scene);
+
 // What makes light of hits, for the tracer of the exact surface and that of the mesh alike; clay with lights that go with the camera.
 using Look = std::function<Integrator(const Tracer&, const Camera&, const Sampler&)>;
 Integrator clay_look(const Tracer& tracer, const Camera& camera, const Sampler& sampler);
