@@ -127,7 +127,7 @@ Image silhouette_picture(const Image& exact, const Image& mesh) {
 }
 
 DifferencePicture difference_picture(const Image& exact, const Image& mesh) {
-  constexpr double kWithin = 0.999, kLargestGain = 1024;
+  constexpr double kWithin = 0.99, kLargestGain = 1024;
   std::vector<glm::vec3> differences;
   std::vector<float> sizes;
   for (std::size_t i = 0; i < exact.rgba.size(); ++i) {

@@ -34,10 +34,10 @@ Image scale_picture(const std::vector<double>& values, const Image& alpha, const
 ReportLegend silhouette_legend();
 Image silhouette_picture(const Image& exact, const Image& mesh);
 
-// Code values over black, mesh less exact, around grey; clear where neither is covered by the camera's rays.
+// Code values over black, mesh less exact, around grey.
 struct DifferencePicture {
   Image picture;
-  double gain = 1;  // a power of two: so that 99.9 % of the pixels that differ stay within black and white
+  double gain = 1;  // a power of two: so that 99 % of the pixels that differ stay within black and white
 };
 DifferencePicture difference_picture(const Image& exact, const Image& mesh);
 

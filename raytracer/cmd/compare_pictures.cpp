@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "raytracer/cmd/page_text.h"
 #include "raytracer/difference_pictures.h"
 #include "raytracer/display_transform.h"
 #include "raytracer/exr_writer.h"
@@ -119,7 +118,9 @@ Result<PictureFile> field_file(Pictures& pictures, const std::string& name, cons
   for (double& value : values) plane.values.push_back(static_cast<float>(value *= what.factor));
   ReportLegend legend{what.key, what.unit, 0, largest_of(values), even_scale()};
   if (what.scale) legend.hi = what.factor * *what.scale;
-  ReportPicture picture{what.key, what.title, {}, {}, std::move(legend)};
+  bool unknown = false;
+  for (std::size_t i = 0; i < values.size(); ++i) unknown = unknown || (std::isnan(values[i]) && film->rgba[i].a > 0);
+  ReportPicture picture{what.key, what.title + std::string(unknown ? "; grey: not known" : ""), {}, {}, std::move(legend)};
   const Image shown = scale_picture(values, pictures.image_of(*film), *picture.legend);
   return pictures.drawn_file(name, std::move(picture), shown, std::move(plane));
 }
@@ -136,12 +137,10 @@ ReportImages images_of(const DirectPicture& direct, const Image& bare, const Ima
 Result<PictureFile> difference_file(const Pictures& pictures, const std::string& name, const Image& exact, const Image& mesh) {
   const DifferencePicture difference = difference_picture(exact, mesh);
   const double end = 0.5 / difference.gain;
+  std::string title = "The mesh's picture less the exact one's";
+  if (difference.gain > 1) title += fmt::format(", {} times as strong", difference.gain);
   ReportLegend legend{"difference", "of white", -end, end, {Colour(0.0f), Colour(1.0f)}};
-  ReportPicture picture{"difference",
-                        fmt::format("Mesh less exact, {} times", count_text(static_cast<std::uint64_t>(difference.gain))),
-                        {},
-                        {},
-                        std::move(legend)};
+  ReportPicture picture{"difference", title, {}, {}, std::move(legend)};
   auto file = pictures.drawn_file(name, std::move(picture), difference.picture);
   if (!file) return file.error();
   // The file has the raw differences, not the enlarged ones.
