@@ -13,9 +13,10 @@ constexpr const char* kPolicy = "default-src 'none'; img-src data:; style-src 'u
 
 std::string top(const CompareReport& report) {
   std::string text = "<header>\n<p class=\"kicker\">Isophote: mesh against exact surface</p>\n<h1>" +
-                     escaped(report.verdict.empty() ? "No verdict" : report.verdict) + "</h1>\n<p class=\"soft\">" + escaped(report.model) +
-                     ", " + shown_count(report.faces) + (report.faces == 1 ? " face" : " faces") + ", diagonal " + shown(report.diagonal) +
-                     " " + escaped(unit_text(report)) + "</p>\n";
+                     escaped(report.verdict.empty() ? "No verdict" : report.verdict) + "</h1>\n<p class=\"soft\">" +
+                     (report.model.empty() ? "" : escaped(report.model) + ", ") + shown_count(report.faces) +
+                     (report.faces == 1 ? " face" : " faces") + ", diagonal " + shown(report.diagonal) + " " + escaped(unit_text(report)) +
+                     "</p>\n";
   if (!report.failures.empty()) {
     text += "<ul class=\"findings\">\n";
     for (const std::string& line : report.failures) text += "<li><strong class=\"tag fault\">failed</strong> " + escaped(line) + "</li>\n";

@@ -64,7 +64,7 @@ std::string head(const CompareReport& report, const std::string& extra = {}) {
   std::string text = "<thead><tr><td></td>";
   if (!extra.empty()) text += "<th scope=\"col\">" + extra + "</th>";
   for (const ReportMesh& mesh : report.meshes)
-    text += "<th scope=\"col\">" + escaped(mesh.label) + (mesh.ours ? "" : " <span class=\"unit\">foreign</span>") + "</th>";
+    text += "<th scope=\"col\">" + escaped(shortened(mesh.label, 32)) + (mesh.ours ? "" : " <span class=\"unit\">foreign</span>") + "</th>";
   return text + "</tr></thead>\n";
 }
 
