@@ -104,14 +104,15 @@ void OneSidedMeter<Source>::measure_chunk(std::size_t begin, std::size_t end, st
           worst = m.distance;
           for (int k = 0; k < 3; ++k) worst_at_[i][static_cast<std::size_t>(k)] = static_cast<float>(l[k]);
         }
-    for (int k = 0; k < 3; ++k) {
-      Vec3 l(0.0);
-      l[k] = 1;
+    // Corners and the middles of sides, where a mesh is off the border of its face; they stand for no area.
+    for (int k = 0; k < 6; ++k) {
+      Vec3 l(k < 3 ? 0.0 : 0.5);
+      l[k % 3] = k < 3 ? 1 : 0;
       const Measured m = source_.measure(i, l, hint);
       nearest = std::min(nearest, m.distance);
       if (m.distance <= worst) continue;
       worst = m.distance;
-      for (int j = 0; j < 3; ++j) worst_at_[i][static_cast<std::size_t>(j)] = j == k ? 1.0f : 0.0f;
+      worst_at_[i] = {static_cast<float>(l.x), static_cast<float>(l.y), static_cast<float>(l.z)};
     }
     worst_[i] = static_cast<float>(worst);
     nearest_[i] = static_cast<float>(nearest);

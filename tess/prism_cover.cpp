@@ -33,6 +33,21 @@ void cut(const Polygon& all, const Vec2& a, const Vec2& d, Polygon& left, Polygo
   }
 }
 
+// A polygon with many corners as two of about half as many, so that clipping has room.
+constexpr int kManyCorners = 9;
+void add_divided(std::vector<Polygon>& to, const Polygon& q) {
+  if (q.count <= kManyCorners) {
+    to.push_back(q);
+    return;
+  }
+  Polygon first, second;
+  const int half = q.count / 2;
+  for (int i = 0; i <= half; ++i) first.add(q.at[i]);
+  for (int i = half; i <= q.count; ++i) second.add(q.at[i % q.count]);
+  to.push_back(first);
+  to.push_back(second);
+}
+
 class Cover {
  public:
   Cover(const TriangleTree& tree, std::span<const Point3> points, std::span<const PointTriangle> triangles, double enough)
@@ -42,6 +57,7 @@ class Cover {
   int pieces() const { return pieces_; }
 
  private:
+  static constexpr double kEnough = 1.01;           // times what is there: tight to this
   static constexpr int kMostDepth = 4;              // of quartering
   static constexpr std::size_t kMostNearby = 1024;  // triangles before one; with more it is quartered
   static constexpr double kThin = 1e-12;            // of the triangle's size: thinner pieces are rounding
@@ -49,9 +65,22 @@ class Cover {
   double along(const Point3& a, const Point3& b, int depth);
   double quartered(const std::array<Point3, 3>& t, const std::array<double, 3>& near, int depth);
   bool thin(const Polygon& q) const;
-  bool project(std::uint32_t triangle, Vec2 (&f)[3]) const;
-  void cover_with(const Vec2 (&f)[3], std::uint32_t triangle);
+  struct Region {  // of the plane: to the left of some lines
+    Vec2 from[3], along[3];
+    int lines = 0;
+    Box2 box;
+  };
+  void project(std::uint32_t triangle, Vec2 (&f)[3]) const;
+  bool prism(std::uint32_t triangle, Region& region) const;
+  bool slab(std::uint32_t triangle, Region& region) const;
+  void cover_with(const Region& region, std::uint32_t triangle);
   double farthest(const Polygon& q, std::uint32_t triangle) const;
+  struct Waiting {
+    double bound;
+    Vec2 middle;
+    Polygon q;
+  };
+  Waiting judged(const Polygon& q);
   double left_over();
 
   const TriangleTree& tree_;
@@ -66,6 +95,7 @@ class Cover {
   double size_ = 0, limit_ = 0, most_ = 0;
   Polygon whole_;
   std::vector<Polygon> open_, next_;
+  std::vector<Waiting> waiting_;
   std::vector<std::uint32_t> nearby_;
 };
 
@@ -83,12 +113,17 @@ double Cover::farthest(const Polygon& q, std::uint32_t triangle) const {
   return most;
 }
 
-// The corners of a triangle of the tree in the plane, counter-clockwise; whether it lies before the triangle at hand at all.
-bool Cover::project(std::uint32_t triangle, Vec2 (&f)[3]) const {
+void Cover::project(std::uint32_t triangle, Vec2 (&f)[3]) const {
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 d = points_[triangles_[triangle][k]] - O_;
     f[k] = {glm::dot(d, X_), glm::dot(d, Y_)};
   }
+}
+
+// What lies before a triangle of the tree; false if that is nothing of the triangle at hand.
+bool Cover::prism(std::uint32_t triangle, Region& region) const {
+  Vec2 f[3];
+  project(triangle, f);
   const double area = cross(f[1] - f[0], f[2] - f[0]);
   if (!(std::abs(area) > kThin * size_ * size_)) return false;  // seen from its edge
   if (area < 0) std::swap(f[1], f[2]);
@@ -96,25 +131,50 @@ bool Cover::project(std::uint32_t triangle, Vec2 (&f)[3]) const {
     const Vec2 a = whole_.at[k], d = whole_.at[(k + 1) % 3] - a;
     if (cross(d, f[0] - a) <= 0 && cross(d, f[1] - a) <= 0 && cross(d, f[2] - a) <= 0) return false;
   }
+  region.lines = 3;
+  region.box = {};
+  for (int k = 0; k < 3; ++k) {
+    region.from[k] = f[k];
+    region.along[k] = f[(k + 1) % 3] - f[k];
+    region.box.include(f[k]);
+  }
   return true;
 }
 
-// Takes from the open polygons what lies before a triangle, unless that is farther than the limit.
-void Cover::cover_with(const Vec2 (&f)[3], std::uint32_t triangle) {
-  const Vec2 lo = glm::min(glm::min(f[0], f[1]), f[2]), hi = glm::max(glm::max(f[0], f[1]), f[2]);
+// What lies beside the longest side of a triangle of the tree, between its ends: for triangles seen from their edge, and for borders.
+bool Cover::slab(std::uint32_t triangle, Region& region) const {
+  Vec2 f[3];
+  project(triangle, f);
+  int at = 0;
+  for (int k = 1; k < 3; ++k)
+    if (glm::length(f[(k + 1) % 3] - f[k]) > glm::length(f[(at + 1) % 3] - f[at])) at = k;
+  const Vec2 a = f[at], b = f[(at + 1) % 3], e = b - a;
+  if (!(glm::length(e) > kThin * size_)) return false;
+  region.lines = 2;
+  region.from[0] = a;
+  region.along[0] = {e.y, -e.x};
+  region.from[1] = b;
+  region.along[1] = {-e.y, e.x};
+  region.box = {Vec2(-kInf), Vec2(kInf)};
+  return true;
+}
+
+// Takes from the open polygons what lies in the region, unless it is farther from the triangle than the limit.
+void Cover::cover_with(const Region& region, std::uint32_t triangle) {
+  const Vec2 lo = region.box.lo, hi = region.box.hi;
   next_.clear();
   for (const Polygon& q : open_) {
     Vec2 qlo(kInf), qhi(-kInf);
     for (int i = 0; i < q.count; ++i) qlo = glm::min(qlo, q.at[i]), qhi = glm::max(qhi, q.at[i]);
     const bool apart = qhi.x < lo.x || hi.x < qlo.x || qhi.y < lo.y || hi.y < qlo.y;
-    if (apart || q.count + 3 >= Polygon::kMost) {
+    if (apart) {
       next_.push_back(q);
       continue;
     }
     Polygon inside = q, left, outside[3];
     int parts = 0;
-    for (int k = 0; k < 3 && !thin(inside); ++k) {
-      cut(inside, f[k], f[(k + 1) % 3] - f[k], left, outside[parts]);
+    for (int k = 0; k < region.lines && !thin(inside); ++k) {
+      cut(inside, region.from[k], region.along[k], left, outside[parts]);
       inside = left;
       if (!thin(outside[parts])) ++parts;
     }
@@ -125,39 +185,50 @@ void Cover::cover_with(const Vec2 (&f)[3], std::uint32_t triangle) {
     }
     most_ = std::max(most_, most);
     ++pieces_;
-    for (int k = 0; k < parts; ++k) next_.push_back(outside[k]);
+    for (int k = 0; k < parts; ++k) add_divided(next_, outside[k]);
   }
   open_.swap(next_);
 }
 
-// What no triangle lies before, or only far ones: before the nearest one, halved where that is too loose.
+Cover::Waiting Cover::judged(const Polygon& q) {
+  Vec2 middle(0.0);
+  for (int k = 0; k < q.count; ++k) middle += q.at[k] / double(q.count);
+  const TriangleTree::Nearest near = tree_.nearest(O_ + middle.x * X_ + middle.y * Y_);
+  double around = 0;
+  for (int k = 0; k < q.count; ++k) around = std::max(around, glm::length(q.at[k] - middle));
+  ++pieces_;
+  return {std::min(farthest(q, near.triangle), near.distance + around), middle, q};
+}
+
+// What no triangle lies before, or only far ones (most often the mesh ends in the middle of it): before the nearest one; the piece with
+// the largest bound is halved until that is small enough.
 double Cover::left_over() {
-  constexpr int kMostHalvings = 4096;
-  double most = 0;
-  for (int i = 0; !open_.empty() && i < kMostHalvings; ++i) {
-    const Polygon q = open_.back();
-    open_.pop_back();
-    Vec2 middle(0.0);
-    for (int k = 0; k < q.count; ++k) middle += q.at[k] / double(q.count);
-    const TriangleTree::Nearest near = tree_.nearest(O_ + middle.x * X_ + middle.y * Y_);
-    double around = 0;
-    for (int k = 0; k < q.count; ++k) around = std::max(around, glm::length(q.at[k] - middle));
-    const double bound = std::min(farthest(q, near.triangle), near.distance + around);
-    ++pieces_;
-    if (bound <= limit_ || i + 1 + static_cast<int>(open_.size()) >= kMostHalvings || q.count + 1 >= Polygon::kMost) {
-      most = std::max(most, bound);
-      continue;
-    }
+  constexpr int kMostHalvings = 512;
+  const auto lower = [](const Waiting& a, const Waiting& b) { return a.bound < b.bound; };
+  waiting_.clear();
+  for (const Polygon& q : open_) waiting_.push_back(judged(q));
+  std::make_heap(waiting_.begin(), waiting_.end(), lower);
+  for (int i = 0; i < kMostHalvings && waiting_.front().bound > limit_; ++i) {
+    std::pop_heap(waiting_.begin(), waiting_.end(), lower);
+    const Waiting one = waiting_.back();
+    waiting_.pop_back();
     // Across the longest way from the middle.
     Vec2 along(0.0);
-    for (int k = 0; k < q.count; ++k)
-      if (glm::length(q.at[k] - middle) >= glm::length(along)) along = q.at[k] - middle;
-    Polygon left, right;
-    cut(q, middle, Vec2(-along.y, along.x), left, right);
-    if (!thin(left)) open_.push_back(left);
-    if (!thin(right)) open_.push_back(right);
+    for (int k = 0; k < one.q.count; ++k)
+      if (glm::length(one.q.at[k] - one.middle) >= glm::length(along)) along = one.q.at[k] - one.middle;
+    Polygon halves[2];
+    cut(one.q, one.middle, Vec2(-along.y, along.x), halves[0], halves[1]);
+    bool any = false;
+    for (const Polygon& half : halves) {
+      if (thin(half)) continue;
+      any = true;
+      waiting_.push_back(judged(half));
+      std::push_heap(waiting_.begin(), waiting_.end(), lower);
+    }
+    if (!any) return one.bound;
+    if (waiting_.empty()) return 0;
   }
-  return most;
+  return waiting_.front().bound;
 }
 
 double Cover::quartered(const std::array<Point3, 3>& t, const std::array<double, 3>& near, int depth) {
@@ -208,15 +279,20 @@ double Cover::bound(const std::array<Point3, 3>& t, const std::array<double, 3>&
   most_ = 0;
   whole_.count = 0;
   for (const Point3& p : t) whole_.add({glm::dot(p - O_, X_), glm::dot(p - O_, Y_)});
-  Vec2 f[3];
-  std::erase_if(nearby_, [&](std::uint32_t i) { return !project(i, f); });
+  Region region;
+  std::vector<std::uint32_t> all = nearby_;
+  std::erase_if(nearby_, [&](std::uint32_t i) { return !prism(i, region); });
   if (nearby_.size() > kMostNearby && depth < kMostDepth) return quartered(t, near, depth);
   open_.assign(1, whole_);
-  limit_ = reach;
+  limit_ = kEnough * reach;
   for (std::uint32_t i : nearby_) {
     if (open_.empty()) break;
-    project(i, f);
-    cover_with(f, i);
+    prism(i, region);
+    cover_with(region, i);
+  }
+  for (std::uint32_t i : all) {
+    if (open_.empty()) break;
+    if (slab(i, region)) cover_with(region, i);
   }
   const double covered = most_;
   return open_.empty() ? covered : std::max(covered, left_over());
