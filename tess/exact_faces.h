@@ -46,6 +46,9 @@ class ExactFaces {
   // holds it. At the border of the face, and after many triangles, they are clamped.
   void walk(std::uint32_t& triangle, Vec3& weights) const;
 
+  // Whether the side of a triangle opposite to corner k is on the border of its face.
+  bool is_border(std::uint32_t triangle, int k) const { return beside_[triangle][static_cast<std::size_t>(k)] == TriangleTree::kNone; }
+
   // Where the model itself ends: pairs of points.
   const std::vector<PointTriangle>& free_sides() const { return free_sides_; }
 

@@ -28,7 +28,16 @@ double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(glm::leng
 class SurfaceSource {
  public:
   SurfaceSource(const ExactFaces& faces, const TriangleTree& mesh, const ForeignMesh& triangles)
-      : faces_(&faces), mesh_(&mesh), of_mesh_(&triangles) {}
+      : faces_(&faces), mesh_(&mesh), of_mesh_(&triangles), of_point_(faces.points().size()) {
+    constexpr std::size_t kChunk = 1024;
+    tbb::parallel_for(std::size_t{0}, (of_point_.size() + kChunk - 1) / kChunk, [&](std::size_t c) {
+      TriangleTree::Nearest near;
+      for (std::size_t i = c * kChunk; i < std::min(of_point_.size(), (c + 1) * kChunk); ++i) {
+        near = mesh.nearest(faces.points()[i], near.triangle);
+        of_point_[i] = {faces.points()[i], near.distance, near.triangle};
+      }
+    });
+  }
 
   std::size_t size() const { return faces_->triangles().size(); }
   std::uint32_t group(std::size_t i) const { return faces_->face_of(static_cast<std::uint32_t>(i)); }
@@ -37,6 +46,8 @@ class SurfaceSource {
     return {faces_->points()[a], faces_->points()[b], faces_->points()[c]};
   }
   Measured measure(std::size_t i, const Vec3& weights, std::uint32_t hint) const {
+    for (int k = 0; k < 3; ++k)
+      if (weights[k] == 1) return of_point_[faces_->triangles()[i][static_cast<std::size_t>(k)]];
     const Point3 at = faces_->lifted(static_cast<std::uint32_t>(i), weights).point;
     const TriangleTree::Nearest near = mesh_->nearest(at, hint);
     return {at, near.distance, near.triangle};
@@ -46,7 +57,8 @@ class SurfaceSource {
     faces_->walk(triangle, weights);
     i = triangle;
   }
-  double bound(std::size_t i, const std::array<double, 3>& near, double enough) const {
+  bool side_matters(std::size_t i, int k) const { return faces_->is_border(static_cast<std::uint32_t>(i), k); }
+  double bound(std::size_t i, double near, double enough) const {
     return cover_bound(*mesh_, of_mesh_->points, of_mesh_->triangles, corners(i), near, enough).bound + faces_->faces()[group(i)].bound;
   }
 
@@ -54,6 +66,7 @@ class SurfaceSource {
   const ExactFaces* faces_;
   const TriangleTree* mesh_;
   const ForeignMesh* of_mesh_;
+  std::vector<Measured> of_point_;  // of our mesh
 };
 
 // The mesh from the exact faces.
@@ -77,6 +90,10 @@ class MeshSource {
         return {mesh_->points[t[static_cast<std::size_t>(k)]], known.distance, known.reference};
       }
     const auto c = corners(i);
+    if (glm::length(weights - Vec3(1 / 3.0)) < 1e-9) {
+      const TriangleFinding& known = (*triangles_)[i];
+      return {(c[0] + c[1] + c[2]) / 3.0, known.distance, known.reference};
+    }
     const Point3 at = weights.x * c[0] + weights.y * c[1] + weights.z * c[2];
     const ExactFaces::Foot foot = faces_->nearest(at, hint);
     return {at, foot.distance, foot.triangle};
@@ -85,8 +102,10 @@ class MeshSource {
     weights = glm::max(weights, Vec3(0.0));
     weights /= weights.x + weights.y + weights.z;
   }
-  double bound(std::size_t i, std::array<double, 3> near, double enough) const {
-    for (double& d : near) d += faces_->bound();  // from the surface to our mesh of it
+  bool side_matters(std::size_t, int) const { return true; }
+  double bound(std::size_t i, double near, double enough) const {
+    // Our mesh may be farther than the surface.
+    near += faces_->bound();
     return cover_bound(faces_->tree(), faces_->points(), faces_->triangles(), corners(i), near, enough).bound + faces_->bound();
   }
 
@@ -225,7 +244,10 @@ TriangleFinding Comparison::look_at(std::size_t t) const {
   const Point3 &a = mesh_.points[corners[0]], &b = mesh_.points[corners[1]], &c = mesh_.points[corners[2]];
   const ExactFaces::Foot foot = faces_->nearest((a + b + c) / 3.0, points_[corners[0]].reference);
   const Vec3 n = glm::cross(b - a, c - a);
-  TriangleFinding found{faces_->face_of(foot.triangle)};
+  TriangleFinding found;
+  found.face = faces_->face_of(foot.triangle);
+  found.distance = foot.distance;
+  found.reference = foot.triangle;
   found.area = static_cast<float>(0.5 * glm::length(n));
   if (has_no_area(a, b, c)) return found;
   double angle = foot.normal == Vec3(0.0) ? 0.0 : angle_between(n, foot.normal);

@@ -13,6 +13,8 @@ struct TriangleFinding {
   std::uint32_t face = 0;  // the exact face that is nearest
   float angle = 0;         // radians, between the triangle and that face; 0 for a triangle without area
   float area = 0;
+  double distance = 0;  // from the faces
+  std::uint32_t reference = TriangleTree::kNone;
   bool inward = false;  // shows its back outside
 };
 

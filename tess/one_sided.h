@@ -30,9 +30,10 @@ struct Measured {
 //   std::array<Point3, 3> corners(std::size_t i) const;
 //   Measured measure(std::size_t i, const Vec3& weights, std::uint32_t hint) const;
 //   void walk(std::size_t& i, Vec3& weights) const;         weights below zero: to the triangle beside, or clamped
-//   double bound(std::size_t i, const std::array<double, 3>& near, double enough) const;
-//                                                           no point over the triangle is farther; `near`: how far its corners are;
-//                                                           a bound up to `enough` need not be made tighter
+//   double bound(std::size_t i, double near, double enough) const;
+//                                                           no point over the triangle is farther; `near`: how far samples are; a bound up
+//                                                           to `enough` need not be made tighter
+//   bool side_matters(std::size_t i, int k) const;          whether the middle of the side opposite to corner k is worth a look
 template <class Source>
 class OneSidedMeter {
  public:
@@ -65,7 +66,6 @@ class OneSidedMeter {
   static constexpr std::size_t kCandidates = 8;  // places per group from which the largest distance is searched
 
   void measure_chunk(std::size_t begin, std::size_t end, std::vector<Sample>& samples);
-  double bound_of(std::size_t i, double enough) const;
   Candidate highest(Candidate from) const;
   OneSided figures(std::span<const Sample> samples) const;
 
@@ -80,6 +80,7 @@ class OneSidedMeter {
 
 template <class Source>
 void OneSidedMeter<Source>::measure_chunk(std::size_t begin, std::size_t end, std::vector<Sample>& samples) {
+  std::uint32_t hint = TriangleTree::kNone;
   for (std::size_t i = begin; i < end; ++i) {
     const auto t = source_.corners(i);
     const double area = 0.5 * glm::length(glm::cross(t[1] - t[0], t[2] - t[0]));
@@ -87,7 +88,6 @@ void OneSidedMeter<Source>::measure_chunk(std::size_t begin, std::size_t end, st
     for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, glm::length(t[k] - t[(k + 1) % 3]));
     const int parts = static_cast<int>(std::clamp(std::ceil(longest / spacing_), 1.0, double(kMostParts)));
     const float share = static_cast<float>(area / (parts * parts));
-    std::uint32_t hint = TriangleTree::kNone;
     double worst = -1, nearest = kInf;
     // The middles of parts^2 like triangles: those that point as the triangle does, and those turned about.
     for (int a = 0; a < parts; ++a)
@@ -106,6 +106,7 @@ void OneSidedMeter<Source>::measure_chunk(std::size_t begin, std::size_t end, st
         }
     // Corners and the middles of sides, where a mesh is off the border of its face; they stand for no area.
     for (int k = 0; k < 6; ++k) {
+      if (k >= 3 && !source_.side_matters(i, k - 3)) continue;
       Vec3 l(k < 3 ? 0.0 : 0.5);
       l[k % 3] = k < 3 ? 1 : 0;
       const Measured m = source_.measure(i, l, hint);
@@ -144,17 +145,6 @@ typename OneSidedMeter<Source>::Candidate OneSidedMeter<Source>::highest(Candida
       step *= 0.5;
   }
   return from;
-}
-
-template <class Source>
-double OneSidedMeter<Source>::bound_of(std::size_t i, double enough) const {
-  std::array<double, 3> near;
-  for (int k = 0; k < 3; ++k) {
-    Vec3 l(0.0);
-    l[k] = 1;
-    near[static_cast<std::size_t>(k)] = source_.measure(i, l, TriangleTree::kNone).distance;
-  }
-  return source_.bound(i, near, enough);
 }
 
 template <class Source>
@@ -253,7 +243,7 @@ std::vector<OneSided> OneSidedMeter<Source>::measured(const std::function<void(s
   std::vector<double> bounds(n);
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t c) {
     const std::size_t end = std::min(n, (c + 1) * kChunk);
-    for (std::size_t i = c * kChunk; i < end; ++i) bounds[i] = bound_of(i, result[source_.group(i)].max);
+    for (std::size_t i = c * kChunk; i < end; ++i) bounds[i] = source_.bound(i, double(worst_[i]), result[source_.group(i)].max);
     step(end - c * kChunk);
   });
   for (std::size_t g = 0; g < groups_; ++g) result[g].bound = result[g].max;

@@ -53,7 +53,7 @@ class Cover {
   Cover(const TriangleTree& tree, std::span<const Point3> points, std::span<const PointTriangle> triangles, double enough)
       : tree_(tree), points_(points), triangles_(triangles), enough_(enough) {}
 
-  double bound(const std::array<Point3, 3>& t, const std::array<double, 3>& near, int depth);
+  double bound(const std::array<Point3, 3>& t, double near, int depth);
   int pieces() const { return pieces_; }
 
  private:
@@ -63,7 +63,7 @@ class Cover {
   static constexpr double kThin = 1e-12;            // of the triangle's size: thinner pieces are rounding
 
   double along(const Point3& a, const Point3& b, int depth);
-  double quartered(const std::array<Point3, 3>& t, const std::array<double, 3>& near, int depth);
+  double quartered(const std::array<Point3, 3>& t, double near, int depth);
   bool thin(const Polygon& q) const;
   struct Region {  // of the plane: to the left of some lines
     Vec2 from[3], along[3];
@@ -231,16 +231,11 @@ double Cover::left_over() {
   return waiting_.front().bound;
 }
 
-double Cover::quartered(const std::array<Point3, 3>& t, const std::array<double, 3>& near, int depth) {
+double Cover::quartered(const std::array<Point3, 3>& t, double near, int depth) {
   std::array<Point3, 3> m;
-  std::array<double, 3> d;
-  for (std::size_t k = 0; k < 3; ++k) {
-    m[k] = 0.5 * (t[(k + 1) % 3] + t[(k + 2) % 3]);
-    d[k] = tree_.nearest(m[k]).distance;
-  }
-  double most = bound(m, d, depth + 1);
-  for (std::size_t k = 0; k < 3; ++k)
-    most = std::max(most, bound({t[k], m[(k + 2) % 3], m[(k + 1) % 3]}, {near[k], d[(k + 2) % 3], d[(k + 1) % 3]}, depth + 1));
+  for (std::size_t k = 0; k < 3; ++k) m[k] = 0.5 * (t[(k + 1) % 3] + t[(k + 2) % 3]);
+  double most = bound(m, near, depth + 1);
+  for (std::size_t k = 0; k < 3; ++k) most = std::max(most, bound({t[k], m[(k + 2) % 3], m[(k + 1) % 3]}, near, depth + 1));
   return most;
 }
 
@@ -256,18 +251,16 @@ double Cover::along(const Point3& a, const Point3& b, int depth) {
   return std::max(along(a, middle, depth + 1), along(middle, b, depth + 1));
 }
 
-double Cover::bound(const std::array<Point3, 3>& t, const std::array<double, 3>& near, int depth) {
+double Cover::bound(const std::array<Point3, 3>& t, double near, int depth) {
   const Vec3 n = glm::cross(t[1] - t[0], t[2] - t[0]);
   double longest = 0;
   std::size_t at = 0;
   for (std::size_t k = 0; k < 3; ++k)
     if (const double side = glm::length(t[(k + 1) % 3] - t[k]); side > longest) longest = side, at = k;
-  const double farthest_corner = std::max({near[0], near[1], near[2]});
   if (!(glm::length(n) > kThin * longest * longest)) return along(t[at], t[(at + 1) % 3], 0);
   // What is farther than this is no help: the bound would not be tight.
-  const double middle = tree_.nearest((t[0] + t[1] + t[2]) / 3.0).distance;
   const double rounding = 16 * kEps * (longest + std::max({std::abs(t[0].x), std::abs(t[0].y), std::abs(t[0].z)}));
-  const double reach = std::max(enough_, 2 * std::max(farthest_corner, middle) + kThin * longest + rounding);
+  const double reach = std::max(enough_, 2 * near + kThin * longest + rounding);
   Box3 box;
   for (const Point3& p : t) box.include(p);
   nearby_.clear();
@@ -301,7 +294,7 @@ double Cover::bound(const std::array<Point3, 3>& t, const std::array<double, 3>&
 }  // namespace
 
 CoverBound cover_bound(const TriangleTree& tree, std::span<const Point3> points, std::span<const PointTriangle> triangles,
-                       const std::array<Point3, 3>& corners, const std::array<double, 3>& near, double enough) {
+                       const std::array<Point3, 3>& corners, double near, double enough) {
   Cover cover(tree, points, triangles, enough);
   CoverBound result;
   result.bound = cover.bound(corners, near, 0);
