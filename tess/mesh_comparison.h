@@ -15,6 +15,7 @@
 
 #include "patches/brep.h"
 #include "patches/triangle_mesh.h"
+#include "tess/exact_faces.h"
 #include "tess/verify.h"
 
 namespace iso {
@@ -60,7 +61,7 @@ enum class MeshFault {
 const char* name_of(MeshFault fault);  // "missing-face"
 
 struct FaultFound {
-  MeshFault fault;
+  MeshFault fault = MeshFault::unit;
   std::uint64_t count = 0;
   std::string text;  // one sentence, with figures and place
   Point3 at{0.0};
@@ -77,15 +78,11 @@ struct MeshComparison {
   double widest_gap = 0;         // of the mesh: the largest distance of an open edge from the next one, where the model is closed
   std::uint64_t free_edges = 0;  // open edges where the model itself ends
   std::vector<FaultFound> faults;
-  double reference_bound = 0;  // how far our own mesh may be from the surface: bounds are right to this
-  double model_gap = 0;        // how far the model's own edges are off their faces
+  std::uint64_t unmeasured_faces = 0;  // that our own mesh lacks: nothing is known of them
+  double reference_bound = 0;          // how far our own mesh may be from the surface: bounds are right to this
+  double model_gap = 0;                // how far the model's own edges are off their faces
   std::uint64_t reference_triangles = 0;
   double seconds = 0;
-};
-
-struct PlacedPart {
-  const Part* part = nullptr;
-  Affine3 to_world;
 };
 
 struct ComparisonSettings {

@@ -36,17 +36,12 @@ struct FaceMesh {
   }
 };
 
-double angle(const Vec3& a, const Vec3& b) { return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * (180 / kPi); }
-
 void check_in_space(const FaceMesh& f, FaceFindings& found) {
   for (std::uint32_t t = f.begin; t < f.end; ++t) {
     const Triangle& triangle = f.mesh->triangles[t];
     const Point3 &a = f.mesh->corner(triangle, 0), &b = f.mesh->corner(triangle, 1), &c = f.mesh->corner(triangle, 2);
-    ++found.shapes.triangles;
+    add_shape(found.shapes, a, b, c);
     if (has_no_area(a, b, c)) continue;
-    const double least = std::min({angle(b - a, c - a), angle(c - b, a - b), angle(a - c, b - c)});
-    found.shapes.smallest_angle = std::min(found.shapes.smallest_angle, least);
-    found.shapes.slivers += least < kSliver;
     Vec3 normals(0.0);
     for (const std::uint32_t node : triangle) normals += f.mesh->nodes[node].normal;
     if (normals != Vec3(0.0) && glm::dot(glm::cross(b - a, c - a), normals) <= 0) found.folded.push_back(t);
@@ -170,7 +165,17 @@ class Report {
   MeshReport report_;
 };
 
+double angle(const Vec3& a, const Vec3& b) { return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * (180 / kPi); }
+
 }  // namespace
+
+void add_shape(TriangleShapes& shapes, const Point3& a, const Point3& b, const Point3& c) {
+  ++shapes.triangles;
+  if (has_no_area(a, b, c)) return;
+  const double least = std::min({angle(b - a, c - a), angle(c - b, a - b), angle(a - c, b - c)});
+  shapes.smallest_angle = std::min(shapes.smallest_angle, least);
+  shapes.slivers += least < kSliver;
+}
 
 bool MeshReport::sound() const {
   for (const Finding* f : {&cracks, &folded, &turned, &overlapping, &empty_faces})

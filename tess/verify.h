@@ -24,6 +24,9 @@ struct TriangleShapes {
   double sliver_share() const { return triangles == 0 ? 0.0 : static_cast<double>(slivers) / static_cast<double>(triangles); }
 };
 
+// Counts one more triangle.
+void add_shape(TriangleShapes& shapes, const Point3& a, const Point3& b, const Point3& c);
+
 struct MeshReport {
   std::uint64_t nodes = 0, faces = 0;
   TopologyReport topology;  // by index of point

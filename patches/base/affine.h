@@ -39,4 +39,17 @@ inline Box3 transformed(const Affine3& a, const Box3& box) {
 // Normals go by the inverse transpose: an outward normal stays outward, also under mirroring.
 inline Vec3 transform_normal(const Affine3& a_inverse, const Vec3& n) { return glm::normalize(glm::transpose(a_inverse.linear) * n); }
 
+// How far a map lengthens at most: its largest singular value, 1 for rotations in spite of their rounding.
+inline double stretch_of(const Affine3& map) {
+  constexpr double kRotationRounding = 1e-12;  // rotations in files are orthogonal to about this
+  // The largest eigenvalue of a symmetric matrix in closed form [Smith 1961, Eigenvalues of a symmetric 3 x 3 matrix].
+  const Mat3 a = glm::transpose(map.linear) * map.linear;
+  const double q = (a[0][0] + a[1][1] + a[2][2]) / 3;
+  const Mat3 b = a - Mat3(q);
+  const double p = std::sqrt((glm::dot(b[0], b[0]) + glm::dot(b[1], b[1]) + glm::dot(b[2], b[2])) / 6);
+  const double r = p > 0 ? std::clamp(glm::determinant(b) / (2 * p * p * p), -1.0, 1.0) : 1.0;
+  const double stretch = std::sqrt(std::max(0.0, q + 2 * p * std::cos(std::acos(r) / 3)));
+  return std::abs(stretch - 1) <= kRotationRounding ? 1.0 : stretch;
+}
+
 }  // namespace iso

@@ -7,9 +7,6 @@
 namespace iso {
 namespace {
 
-// Rotations in files are orthogonal to about this; a map so near to one lengthens nothing.
-constexpr double kRotationRounding = 1e-12;
-
 // The measurement finds nearest points to rounding: this times the size of the part.
 constexpr double kMeasureRounding = 1e-11;
 
@@ -97,17 +94,6 @@ void take_figures(PartFigures& out, const PartTessellation& made, const Deviatio
 }
 
 }  // namespace
-
-double stretch_of(const Affine3& map) {
-  // The largest eigenvalue of a symmetric matrix in closed form [Smith 1961, Eigenvalues of a symmetric 3 x 3 matrix].
-  const Mat3 a = glm::transpose(map.linear) * map.linear;
-  const double q = (a[0][0] + a[1][1] + a[2][2]) / 3;
-  const Mat3 b = a - Mat3(q);
-  const double p = std::sqrt((glm::dot(b[0], b[0]) + glm::dot(b[1], b[1]) + glm::dot(b[2], b[2])) / 6);
-  const double r = p > 0 ? std::clamp(glm::determinant(b) / (2 * p * p * p), -1.0, 1.0) : 1.0;
-  const double stretch = std::sqrt(std::max(0.0, q + 2 * p * std::cos(std::acos(r) / 3)));
-  return std::abs(stretch - 1) <= kRotationRounding ? 1.0 : stretch;
-}
 
 MeshFigures mesh_parts(const std::vector<PartToMesh>& parts, const MeshSettings& settings, ModelMesh& meshes,
                        const std::function<void(int, int)>& progress) {

@@ -64,9 +64,6 @@ struct MeshFigures {
   double mesh_seconds = 0, measure_seconds = 0, verify_seconds = 0;
 };
 
-// How far a map lengthens at most: its largest singular value, 1 for rotations in spite of their rounding.
-double stretch_of(const Affine3& map);
-
 // One part after the other, each with all threads; `meshes.parts` receives a mesh for each. `progress` hears how many of how many steps are
 // done. The meshes do not depend on the number of threads.
 MeshFigures mesh_parts(const std::vector<PartToMesh>& parts, const MeshSettings& settings, ModelMesh& meshes,

@@ -1,0 +1,415 @@
+#include "tess/mesh_comparison.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <mutex>
+
+#include "tess/mesh_faults.h"
+#include "tess/one_sided.h"
+
+namespace iso {
+namespace {
+
+// How fine our own mesh is made, where nobody says: first this share of the diagonal; then this share of the mesh's own distance, but not
+// finer than so many triangles allow.
+constexpr double kFirstReference = 1e-4, kShareOfDistance = 0.02, kFinestReference = 1e-8;
+constexpr double kMostReferenceTriangles = 1.5e6;
+
+constexpr double kSpacing = 1.0 / 96;  // of the diagonal, between samples
+constexpr double kUsual = 0.95;        // the share of triangles whose distances are taken for usual
+constexpr double kWellBeyond = 4;      // times the usual
+
+double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)); }
+
+// The exact faces from the mesh.
+class SurfaceSource {
+ public:
+  SurfaceSource(const ExactFaces& faces, const TriangleTree& mesh, const ForeignMesh& triangles)
+      : faces_(&faces), mesh_(&mesh), of_mesh_(&triangles), of_point_(faces.points().size()) {
+    constexpr std::size_t kChunk = 1024;
+    tbb::parallel_for(std::size_t{0}, (of_point_.size() + kChunk - 1) / kChunk, [&](std::size_t c) {
+      TriangleTree::Nearest near;
+      for (std::size_t i = c * kChunk; i < std::min(of_point_.size(), (c + 1) * kChunk); ++i) {
+        near = mesh.nearest(faces.points()[i], near.triangle);
+        of_point_[i] = {faces.points()[i], near.distance, near.triangle};
+      }
+    });
+  }
+
+  std::size_t size() const { return faces_->triangles().size(); }
+  std::uint32_t group(std::size_t i) const { return faces_->face_of(static_cast<std::uint32_t>(i)); }
+  std::array<Point3, 3> corners(std::size_t i) const {
+    const auto& [a, b, c] = faces_->triangles()[i];
+    return {faces_->points()[a], faces_->points()[b], faces_->points()[c]};
+  }
+  Measured measure(std::size_t i, const Vec3& weights, std::uint32_t hint) const {
+    for (int k = 0; k < 3; ++k)
+      if (weights[k] == 1) return of_point_[faces_->triangles()[i][static_cast<std::size_t>(k)]];
+    const Point3 at = faces_->lifted(static_cast<std::uint32_t>(i), weights).point;
+    const TriangleTree::Nearest near = mesh_->nearest(at, hint);
+    return {at, near.distance, near.triangle};
+  }
+  void walk(std::size_t& i, Vec3& weights) const {
+    auto triangle = static_cast<std::uint32_t>(i);
+    faces_->walk(triangle, weights);
+    i = triangle;
+  }
+  bool side_matters(std::size_t i, int k) const { return faces_->is_border(static_cast<std::uint32_t>(i), k); }
+  double bound(std::size_t i, double near, double enough) const {
+    return cover_bound(*mesh_, of_mesh_->points, of_mesh_->triangles, corners(i), near, enough).bound + faces_->faces()[group(i)].bound;
+  }
+
+ private:
+  const ExactFaces* faces_;
+  const TriangleTree* mesh_;
+  const ForeignMesh* of_mesh_;
+  std::vector<Measured> of_point_;  // of our mesh
+};
+
+// The mesh from the exact faces.
+class MeshSource {
+ public:
+  MeshSource(const ExactFaces& faces, const ForeignMesh& mesh, const std::vector<TriangleFinding>& triangles,
+             const std::vector<PointFinding>& points)
+      : faces_(&faces), mesh_(&mesh), triangles_(&triangles), points_(&points) {}
+
+  std::size_t size() const { return mesh_->triangles.size(); }
+  std::uint32_t group(std::size_t i) const { return (*triangles_)[i].face; }
+  std::array<Point3, 3> corners(std::size_t i) const {
+    const auto& [a, b, c] = mesh_->triangles[i];
+    return {mesh_->points[a], mesh_->points[b], mesh_->points[c]};
+  }
+  Measured measure(std::size_t i, const Vec3& weights, std::uint32_t hint) const {
+    const PointTriangle& t = mesh_->triangles[i];
+    for (int k = 0; k < 3; ++k)
+      if (weights[k] == 1) {
+        const PointFinding& known = (*points_)[t[static_cast<std::size_t>(k)]];
+        return {mesh_->points[t[static_cast<std::size_t>(k)]], known.distance, known.reference};
+      }
+    const auto c = corners(i);
+    if (glm::length(weights - Vec3(1 / 3.0)) < 1e-9) {
+      const TriangleFinding& known = (*triangles_)[i];
+      return {(c[0] + c[1] + c[2]) / 3.0, known.distance, known.reference};
+    }
+    const Point3 at = weights.x * c[0] + weights.y * c[1] + weights.z * c[2];
+    const ExactFaces::Foot foot = faces_->nearest(at, hint);
+    return {at, foot.distance, foot.triangle};
+  }
+  void walk(std::size_t&, Vec3& weights) const {
+    weights = glm::max(weights, Vec3(0.0));
+    weights /= weights.x + weights.y + weights.z;
+  }
+  bool side_matters(std::size_t, int) const { return true; }
+  double bound(std::size_t i, double near, double enough) const {
+    // Our mesh may be farther than the surface.
+    near += faces_->bound();
+    return cover_bound(faces_->tree(), faces_->points(), faces_->triangles(), corners(i), near, enough).bound + faces_->bound();
+  }
+
+ private:
+  const ExactFaces* faces_;
+  const ForeignMesh* mesh_;
+  const std::vector<TriangleFinding>* triangles_;
+  const std::vector<PointFinding>* points_;
+};
+
+class Comparison {
+ public:
+  Comparison(std::span<const PlacedPart> parts, const ForeignMesh& mesh, const ComparisonSettings& settings,
+             const std::function<void(double)>& progress)
+      : parts_(parts), mesh_(mesh), settings_(settings), progress_(progress) {}
+
+  MeshComparison run() {
+    const auto begin = std::chrono::steady_clock::now();
+    choose_reference();
+    result_.reference_bound = faces_->bound();
+    result_.model_gap = faces_->gap();
+    result_.reference_triangles = faces_->triangles().size();
+    start_faces();
+    find_points_and_triangles();
+    measure_both_ways();
+    finish_faces();
+    check_topology_and_gaps();
+    name_faults();
+    result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return std::move(result_);
+  }
+
+ private:
+  void choose_reference();
+  double rough_distance() const;
+  void start_faces();
+  void find_points_and_triangles();
+  TriangleFinding look_at(std::size_t t) const;
+  void measure_both_ways();
+  void finish_faces();
+  void check_topology_and_gaps();
+  void name_faults();
+  template <class F>
+  void in_parallel(std::size_t n, double share, F f);
+
+  std::span<const PlacedPart> parts_;
+  const ForeignMesh& mesh_;
+  const ComparisonSettings& settings_;
+  const std::function<void(double)>& progress_;
+  double done_ = 0;
+
+  std::unique_ptr<ExactFaces> faces_;
+  std::unique_ptr<TriangleTree> tree_;
+  double diagonal_ = 0;
+  std::vector<PointFinding> points_;
+  std::vector<TriangleFinding> triangles_;
+  std::vector<OpenEdge> cracks_;
+  std::vector<float> nearest_of_triangle_;
+  std::vector<double> missing_;
+  double far_ = 0, far_point_ = 0;
+  MeshComparison result_;
+};
+
+// f(i) for all i < n in chunks; the progress moves on by `share`.
+template <class F>
+void Comparison::in_parallel(std::size_t n, double share, F f) {
+  constexpr std::size_t kChunk = 2048;
+  std::atomic<std::size_t> done{0};
+  std::mutex telling;
+  tbb::parallel_for(std::size_t{0}, (n + kChunk - 1) / kChunk, [&](std::size_t c) {
+    const std::size_t end = std::min(n, (c + 1) * kChunk);
+    for (std::size_t i = c * kChunk; i < end; ++i) f(i);
+    const std::size_t now = done += end - c * kChunk;
+    const std::scoped_lock lock(telling);
+    progress_(done_ + share * static_cast<double>(now) / static_cast<double>(n));
+  });
+  done_ += share;
+}
+
+// The largest distance of some points of the mesh: of all if it has few.
+double Comparison::rough_distance() const {
+  constexpr std::size_t kMost = 20000;
+  const std::size_t step = std::max<std::size_t>(1, mesh_.triangles.size() / kMost);
+  std::vector<double> far((mesh_.triangles.size() + step - 1) / step);
+  tbb::parallel_for(std::size_t{0}, far.size(), [&](std::size_t i) {
+    const auto& [a, b, c] = mesh_.triangles[i * step];
+    far[i] = faces_->nearest((mesh_.points[a] + mesh_.points[b] + mesh_.points[c]) / 3.0).distance;
+  });
+  const auto usual = far.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(far.size() - 1));
+  std::nth_element(far.begin(), usual, far.end());
+  return *usual;
+}
+
+void Comparison::choose_reference() {
+  Box3 box;
+  for (const PlacedPart& p : parts_) box.include(transformed(p.to_world, p.part->box));
+  diagonal_ = box.diagonal();
+  if (settings_.reference > 0) {
+    faces_ = std::make_unique<ExactFaces>(parts_, settings_.reference);
+    return;
+  }
+  const double first = kFirstReference * diagonal_;
+  faces_ = std::make_unique<ExactFaces>(parts_, first);
+  // Triangles grow as one over the distance.
+  const double wanted = std::max(kShareOfDistance * rough_distance(), kFinestReference * diagonal_);
+  const double affordable = first * static_cast<double>(faces_->triangles().size()) / kMostReferenceTriangles;
+  const double next = std::max(wanted, affordable);
+  if (next < 0.7 * first) faces_ = std::make_unique<ExactFaces>(parts_, next);
+}
+
+void Comparison::start_faces() {
+  for (const ExactFaces::Known& known : faces_->faces()) {
+    FaceComparison face;
+    face.placed = known.placed;
+    face.face = known.face;
+    face.area = known.area;
+    result_.unmeasured_faces += known.first == known.end;
+    result_.faces.push_back(face);
+  }
+  result_.all.area = 0;
+}
+
+void Comparison::find_points_and_triangles() {
+  points_.resize(mesh_.points.size());
+  in_parallel(points_.size(), 0.1, [&](std::size_t i) {
+    const std::uint32_t hint = i % 2048 ? points_[i - 1].reference : TriangleTree::kNone;
+    const ExactFaces::Foot foot = faces_->nearest(mesh_.points[i], hint);
+    points_[i] = {foot.distance, foot.triangle, foot.normal};
+  });
+  triangles_.resize(mesh_.triangles.size());
+  in_parallel(triangles_.size(), 0.1, [&](std::size_t t) { triangles_[t] = look_at(t); });
+}
+
+TriangleFinding Comparison::look_at(std::size_t t) const {
+  const PointTriangle& corners = mesh_.triangles[t];
+  const Point3 &a = mesh_.points[corners[0]], &b = mesh_.points[corners[1]], &c = mesh_.points[corners[2]];
+  const ExactFaces::Foot foot = faces_->nearest((a + b + c) / 3.0, points_[corners[0]].reference);
+  const Vec3 n = glm::cross(b - a, c - a);
+  TriangleFinding found;
+  found.face = faces_->face_of(foot.triangle);
+  found.distance = foot.distance;
+  found.reference = foot.triangle;
+  found.area = static_cast<float>(0.5 * glm::length(n));
+  if (has_no_area(a, b, c)) return found;
+  double angle = foot.normal == Vec3(0.0) ? 0.0 : angle_between(n, foot.normal);
+  if (angle > kPi / 2) {
+    // At sharp edges and in thin walls another sheet may be as near: what is turned contradicts all of them.
+    const Point3 middle = (a + b + c) / 3.0;
+    faces_->tree().for_each_touching(Box3{middle, middle}.inflated(foot.distance + 2 * faces_->bound()), [&](std::uint32_t i) {
+      const TriangleTree::Nearest near = faces_->tree().on(i, middle);
+      if (near.distance > foot.distance + 2 * faces_->bound()) return;
+      const double other = angle_between(n, faces_->lifted(i, near.weights).normal);
+      if (other < angle) angle = other, found.face = faces_->face_of(i);
+    });
+  }
+  found.inward = angle > kPi / 2;
+  for (std::uint32_t p : corners) {
+    const PointFinding& corner = points_[p];
+    if (faces_->face_of(corner.reference) == found.face && corner.normal != Vec3(0.0))
+      angle = std::max(angle, angle_between(n, corner.normal));
+  }
+  found.angle = static_cast<float>(angle);
+  return found;
+}
+
+void Comparison::measure_both_ways() {
+  const std::size_t groups = result_.faces.size();
+  const double spacing = kSpacing * diagonal_;
+  std::atomic<std::size_t> done{0};
+  std::mutex telling;
+  const double n = static_cast<double>(mesh_.triangles.size() + faces_->triangles().size());
+  const auto step = [&](std::size_t more) {
+    const std::size_t now = done += more;
+    const std::scoped_lock lock(telling);
+    progress_(done_ + 0.75 * static_cast<double>(now) / (2 * n));
+  };
+  double usual = 0;
+  {
+    const MeshSource source(*faces_, mesh_, triangles_, points_);
+    OneSidedMeter meter(source, groups, spacing);
+    const std::vector<OneSided> found = meter.measured(step);
+    for (std::size_t f = 0; f < groups; ++f) result_.faces[f].to_surface = found[f];
+    result_.all.to_surface = found.back();
+    nearest_of_triangle_ = meter.nearest_of_triangle();
+    usual = meter.usual(kUsual);
+  }
+  tree_ = std::make_unique<TriangleTree>(mesh_.points, mesh_.triangles);
+  const SurfaceSource source(*faces_, *tree_, mesh_);
+  OneSidedMeter meter(source, groups, spacing);
+  const std::vector<OneSided> found = meter.measured(step);
+  for (std::size_t f = 0; f < groups; ++f) result_.faces[f].to_mesh = found[f];
+  result_.all.to_mesh = found.back();
+  done_ += 0.75;
+
+  // What is well beyond the usual of this mesh is a fault of its own.
+  const double least = std::max({faces_->bound(), faces_->gap(), 2 * mesh_.rounding});
+  far_ = kWellBeyond * std::max({usual, meter.usual(kUsual), least});
+  for (std::size_t f = 0; f < groups; ++f) missing_.push_back(meter.share_beyond(f, far_));
+  std::vector<double> distances;
+  for (const PointFinding& p : points_) distances.push_back(p.distance);
+  const auto at = distances.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(distances.size() - 1));
+  std::nth_element(distances.begin(), at, distances.end());
+  far_point_ = std::max(far_, kWellBeyond * *at);
+}
+
+void Comparison::finish_faces() {
+  std::vector<double> angles(result_.faces.size(), 0);
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    const TriangleFinding& found = triangles_[t];
+    FaceComparison& face = result_.faces[found.face];
+    const double area = double(found.area), angle = double(found.angle);
+    ++face.triangles;
+    face.covered += area;
+    if (found.inward) face.inward += area;
+    angles[found.face] += area * angle;
+    const auto& [a, b, c] = mesh_.triangles[t];
+    if (angle > face.worst_angle) {
+      face.worst_angle = angle;
+      face.worst_angle_at = (mesh_.points[a] + mesh_.points[b] + mesh_.points[c]) / 3.0;
+    }
+    add_shape(face.shapes, mesh_.points[a], mesh_.points[b], mesh_.points[c]);
+  }
+  FaceComparison& all = result_.all;
+  double all_angles = 0;
+  for (std::size_t f = 0; f < result_.faces.size(); ++f) {
+    FaceComparison& face = result_.faces[f];
+    face.mean_angle = face.covered > 0 ? angles[f] / face.covered : 0;
+    all_angles += angles[f];
+    all.triangles += face.triangles;
+    all.area += face.area;
+    all.covered += face.covered;
+    all.inward += face.inward;
+    all.shapes.triangles += face.shapes.triangles;
+    all.shapes.slivers += face.shapes.slivers;
+    all.shapes.smallest_angle = std::min(all.shapes.smallest_angle, face.shapes.smallest_angle);
+    const auto n = static_cast<int>(f);
+    if (face.worst_angle > all.worst_angle) {
+      all.worst_angle = face.worst_angle;
+      all.worst_angle_at = face.worst_angle_at;
+      result_.worst_angle_face = n;
+    }
+    if (result_.worst_face < 0 || face.worst() > result_.faces[static_cast<std::size_t>(result_.worst_face)].worst())
+      result_.worst_face = n;
+  }
+  all.mean_angle = all.covered > 0 ? all_angles / all.covered : 0;
+}
+
+void Comparison::check_topology_and_gaps() {
+  std::vector<OpenEdge> open;
+  result_.topology = check_topology(mesh_.points, mesh_.triangles, {}, &open);
+  // An open edge along a free edge of the model is no defect.
+  const TriangleTree ends(faces_->points(), faces_->free_sides());
+  for (const OpenEdge& edge : open) {
+    const PointTriangle& t = mesh_.triangles[edge.triangle];
+    const auto k = static_cast<std::size_t>(edge.corner);
+    const Point3 &a = mesh_.points[t[k]], &b = mesh_.points[t[(k + 1) % 3]];
+    const bool is_free = !faces_->free_sides().empty() && ends.nearest(a).distance <= far_ && ends.nearest(b).distance <= far_ &&
+                         ends.nearest(0.5 * (a + b)).distance <= far_;
+    ++result_.faces[triangles_[edge.triangle].face].open_edges;
+    if (is_free)
+      ++result_.free_edges;
+    else
+      cracks_.push_back(edge);
+  }
+  result_.all.open_edges = open.size();
+  // How wide the cracks are: the distance of each one's middle from the next one that has no point in common with it.
+  std::vector<PointTriangle> sides;
+  for (const OpenEdge& edge : cracks_) {
+    const PointTriangle& t = mesh_.triangles[edge.triangle];
+    const auto k = static_cast<std::size_t>(edge.corner);
+    sides.push_back({t[k], t[(k + 1) % 3], t[(k + 1) % 3]});
+  }
+  const TriangleTree cracks(mesh_.points, sides);
+  std::vector<double> widths(sides.size(), 0);
+  tbb::parallel_for(std::size_t{0}, sides.size(), [&](std::size_t i) {
+    const auto [a, b, b2] = sides[i];
+    const auto apart = [&, a = a, b = b](std::uint32_t other) {
+      const PointTriangle& s = sides[other];
+      return s[0] != a && s[0] != b && s[1] != a && s[1] != b;
+    };
+    widths[i] = cracks.nearest_where(0.5 * (mesh_.points[a] + mesh_.points[b]), TriangleTree::kNone, apart).distance;
+  });
+  for (double width : widths)
+    if (std::isfinite(width)) result_.widest_gap = std::max(result_.widest_gap, width);
+}
+
+void Comparison::name_faults() {
+  Box3 model, mesh;
+  for (const Point3& p : faces_->points()) model.include(p);
+  for (const Point3& p : mesh_.points) mesh.include(p);
+  result_.faults = faults_of_place(model, mesh, settings_.unit);
+  // A mesh that stands elsewhere has no other faults that could be told.
+  if (result_.faults.empty())
+    result_.faults = faults_of_mesh(
+        {*faces_, mesh_, settings_, triangles_, points_, nearest_of_triangle_, cracks_, std::move(missing_), far_, far_point_}, result_);
+  progress_(1.0);
+}
+
+}  // namespace
+
+MeshComparison compare_mesh(std::span<const PlacedPart> parts, const ForeignMesh& mesh, const ComparisonSettings& settings,
+                            const std::function<void(double)>& progress) {
+  ISO_CHECK(!parts.empty() && !mesh.triangles.empty());
+  return Comparison(parts, mesh, settings, progress).run();
+}
+
+}  // namespace iso
