@@ -29,8 +29,10 @@ MeshDistance distance_of(const CompareReport& report, const MeshComparison& comp
 double covered_share(const FaceComparison& face) { return face.area > 0 ? face.covered / face.area : kUnknown; }
 
 std::uint64_t missing_faces(const MeshComparison& comparison) {
-  return static_cast<std::uint64_t>(std::count_if(comparison.faces.begin(), comparison.faces.end(),
-                                                  [](const FaceComparison& face) { return face.area > 0 && face.triangles == 0; }));
+  std::uint64_t count = 0;
+  for (const FaultFound& found : comparison.faults)
+    if (found.fault == MeshFault::missing_face) count += found.count;
+  return count;
 }
 
 std::vector<std::size_t> worst_faces(const MeshComparison& comparison, std::size_t count) {

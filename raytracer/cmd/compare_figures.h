@@ -25,7 +25,7 @@ double worst_distance(const FaceComparison& face);
 // Of a face's area, the share that is under triangles which lie nearest to it; unknown for a face without area.
 double covered_share(const FaceComparison& face);
 
-// Faces with area but no triangle near them. What is missing in parts of faces is told by the faults.
+// Faces of which all or a part has no mesh near it, as the faults tell.
 std::uint64_t missing_faces(const MeshComparison& comparison);
 
 // Indices into `faces`, the largest distance first, unknown ones before all; at most `count`.

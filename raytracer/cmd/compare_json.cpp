@@ -161,6 +161,7 @@ Json mesh_json(const CompareReport& report, const ReportMesh& mesh) {
   json["worst_face"] = index_or_null(c.worst_face);
   json["worst_angle_face"] = index_or_null(c.worst_angle_face);
   json["missing_faces"] = missing_faces(c);
+  json["unmeasured_faces"] = c.unmeasured_faces;
   json["topology"] = topology_json(c);
   json["reference"] = {{"bound", c.reference_bound}, {"triangles", c.reference_triangles}};
   json["model_gap"] = c.model_gap;

@@ -91,14 +91,15 @@ std::string shape_rows(const CompareReport& report) {
       number_row("Largest", "degrees", [](const ReportMesh& m) { return kDegrees * m.comparison.all.worst_angle; }),
       number_row("Mean", "degrees", [](const ReportMesh& m) { return kDegrees * m.comparison.all.mean_angle; })};
   const std::vector<Row> edges{
-      count_row("Faces without a triangle", [](const ReportMesh& m) { return missing_faces(m.comparison); }),
+      count_row("Faces without mesh, whole or in part", [](const ReportMesh& m) { return missing_faces(m.comparison); }),
+      count_row("Faces that were not measured", [](const ReportMesh& m) { return m.comparison.unmeasured_faces; }),
       count_row("Open edges", [](const ReportMesh& m) { return m.comparison.topology.open_edges.count; }),
       count_row("of them where the model ends", [](const ReportMesh& m) { return m.comparison.free_edges; }),
       number_row("Widest gap", unit_text(report), [](const ReportMesh& m) { return m.comparison.widest_gap; }),
       count_row("Non-manifold edges", [](const ReportMesh& m) { return m.comparison.topology.non_manifold_edges.count; }),
       number_row("Smallest angle", "degrees", [=](const ReportMesh& m) { return smallest_angle(shapes(m)); }),
       count_row("Slivers, under 1 degree", [=](const ReportMesh& m) { return shapes(m).slivers; })};
-  return group(report, "Angle between triangles and surface", angles) + group(report, "Triangles and edges", edges);
+  return group(report, "Angle between triangles and surface", angles) + group(report, "Faces, edges and triangles", edges);
 }
 
 std::string mesh_table(const CompareReport& report) {
@@ -123,7 +124,12 @@ std::string findings(const ReportMesh& mesh) {
   }
   for (const std::string& line : mesh.broken) list += finding("fault", "not kept", line);
   for (const std::string& line : mesh.notes) list += finding("note", "note", line);
-  const bool clean = mesh.comparison.faults.empty() && mesh.broken.empty();
+  const std::uint64_t unmeasured = mesh.comparison.unmeasured_faces;
+  if (unmeasured > 0)
+    list += finding("warning", "not measured",
+                    fmt::format("{} of the model could not be measured: nothing is known of {}.",
+                                unmeasured == 1 ? "1 face" : count_text(unmeasured) + " faces", unmeasured == 1 ? "it" : "them"));
+  const bool clean = mesh.comparison.faults.empty() && mesh.broken.empty() && unmeasured == 0;
   if (clean) list = finding("good", "no faults found", "") + list;
   std::string text = "<article class=\"mesh\">\n<h3>" + escaped(mesh.label) + "</h3>\n<div>\n";
   if (!mesh.verdict.empty()) text += "<p>" + escaped(mesh.verdict) + "</p>\n";

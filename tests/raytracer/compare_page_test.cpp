@@ -112,9 +112,11 @@ TEST(ComparePage, TellsTheVerdictEveryFaultAndEveryMesh) {
   report.meshes[2].comparison.faults = {{MeshFault::missing_face, 1, "Face 3 is bare.", {}, 0, 3, 0, {}},
                                         {MeshFault::doubled_triangles, 4, "4 triangles are there twice.", {}, -1, -1, 0, {}}};
   report.meshes[1].broken = {"1 crack"};
+  report.meshes[0].comparison.unmeasured_faces = 3;
   const std::string page = compare_page(report);
   for (const char* told : {"<h1>1e-3 d keeps its promise.</h1>", "Take the second.", "above 0.1 mm", "fault: missing-face",
-                           "Face 3 is bare.", "warning: doubled-triangles", "not kept", "1 crack", "theirs.stl", "exact: 0", "a machine"})
+                           "Face 3 is bare.", "warning: doubled-triangles", "not kept", "1 crack",
+                           "3 faces of the model could not be measured", "theirs.stl", "exact: 0", "a machine"})
     EXPECT_NE(page.find(told), std::string::npos) << told;
   const HtmlPage read = read_html(page);
   EXPECT_EQ(read.named("svg").size(), 3u);
