@@ -8,6 +8,7 @@
 
 #include "patches/files/output_file.h"
 #include "raytracer/film.h"
+#include "raytracer/srgb.h"
 
 namespace iso {
 namespace {
@@ -24,12 +25,17 @@ ChannelMap channels_of(const OIIO::ImageSpec& spec) {
   return {0, 0, 0, spec.alpha_channel};
 }
 
-}  // namespace
+// A picture as its file has it.
+struct Stored {
+  Image image;
+  bool code_values = false;   // whole numbers in the file
+  bool unmultiplied = false;  // with alpha
+};
 
-Result<Image> read_image(const std::string& path) {
+Result<Stored> read_stored(const std::string& path, const OIIO::ImageSpec& config) {
   std::error_code code;
   if (!std::filesystem::exists(path, code)) return read_write_error(path, "no such file");
-  const auto input = OIIO::ImageInput::open(path);
+  const auto input = OIIO::ImageInput::open(path, &config);
   if (!input) return bad_input(path, {}, fmt::format("not a picture that can be read: {}", OIIO::geterror()));
   const OIIO::ImageSpec& spec = input->spec();
   if (spec.width <= 0 || spec.height <= 0 || static_cast<long long>(spec.width) * spec.height > kMaxPixels || spec.nchannels > 1024)
@@ -42,12 +48,35 @@ Result<Image> read_image(const std::string& path) {
     return bad_input(path, {}, fmt::format("damaged: {}", input->geterror()));
 
   const ChannelMap map = channels_of(spec);
-  Image image{spec.width, spec.height, map.a >= 0, std::vector<glm::vec4>(count)};
+  Stored stored{{spec.width, spec.height, map.a >= 0, std::vector<glm::vec4>(count)},
+                !spec.format.is_floating_point(),
+                spec.get_int_attribute("oiio:UnassociatedAlpha") != 0};
   for (std::size_t i = 0; i < count; ++i) {
     const float* v = &values[i * channels];
-    image.rgba[i] = {v[map.r], v[map.g], v[map.b], map.a >= 0 ? v[map.a] : 1.0f};
+    stored.image.rgba[i] = {v[map.r], v[map.g], v[map.b], map.a >= 0 ? v[map.a] : 1.0f};
   }
-  return image;
+  return stored;
+}
+
+}  // namespace
+
+Result<Image> read_image(const std::string& path) {
+  auto stored = read_stored(path, {});
+  if (!stored) return stored.error();
+  return std::move(stored->image);
+}
+
+Result<Image> read_linear_image(const std::string& path) {
+  OIIO::ImageSpec config;
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  auto stored = read_stored(path, config);
+  if (!stored) return stored.error();
+  if (!stored->code_values) return std::move(stored->image);
+  for (glm::vec4& pixel : stored->image.rgba) {
+    const float inside = stored->unmultiplied || pixel.a <= 0 ? 1.0f : pixel.a;
+    for (int c = 0; c < 3; ++c) pixel[c] = linear_from_srgb(pixel[c] / inside) * pixel.a;
+  }
+  return std::move(stored->image);
 }
 
 Status write_image_8bit(const std::string& path, const Image& image) {

@@ -16,7 +16,12 @@ struct Image {
 };
 
 // The colour of a picture: channels R G B (A) if it has these names, else its first ones; grey is spread. Linear and premultiplied in EXR.
+// Other formats: display-encoded, multiplied with alpha as they are.
 Result<Image> read_image(const std::string& path);
+
+// The same as light, linear and premultiplied, whatever the format: values in floating point are taken as that already, whole numbers (PNG,
+// JPEG ...) as sRGB code values, which are decoded before they are multiplied with alpha.
+Result<Image> read_linear_image(const std::string& path);
 
 // Eight bits a channel, values clamped to [0, 1], display-encoded, alpha not multiplied in. The name's ending tells the format; a format
 // without alpha shows the picture over black.

@@ -1,4 +1,5 @@
-// How far two pictures are apart, in numbers. Pictures are linear and premultiplied, of equal size.
+// How far two pictures are apart, in numbers. Pictures are linear and premultiplied, of equal size. Values that are not numbers: equal ones
+// do not differ; else they are infinitely far apart. Same numbers for any number of threads.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,11 @@ struct ImageDifference {
 };
 ImageDifference difference_of(const Image& a, const Image& b);
 
+// Pixels of which R, G, B or A differs by more than `limit`.
+std::uint64_t pixels_over(const Image& a, const Image& b, double limit);
+
 // FLIP: the difference a viewer sees when flipping between both [Andersson et al. 2020], 0 to 1 per pixel, row by row. Pictures over black.
+// Values that are not numbers or negative count as 0, larger ones than the largest half as that. LDR-FLIP cuts at white.
 struct FlipSettings {
   double pixels_per_degree = 67.0206;  // 0.7 m from a screen of 0.7 m and 3840 pixels
 };
@@ -31,7 +36,8 @@ struct FlipMap {
   PixelPlace worst;
 };
 FlipMap flip_ldr(const Image& reference, const Image& test, const FlipSettings& settings = {});
-// HDR-FLIP: the largest over automatic exposures of the reference [Andersson et al. 2021].
+// HDR-FLIP: the largest over automatic exposures of the reference [Andersson et al. 2021], with the ACES curve. If more than half of the
+// reference is black, the darkest exposure is that of the median of the rest, since the published one would be infinite.
 FlipMap flip_hdr(const Image& reference, const Image& test, const FlipSettings& settings = {});
 
 // Pixels covered (alpha over half) in one picture and not in the other.

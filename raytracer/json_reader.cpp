@@ -6,6 +6,8 @@
 #include <numeric>
 #include <set>
 
+#include "raytracer/srgb.h"
+
 namespace iso {
 namespace {
 
@@ -203,7 +205,7 @@ std::optional<Colour> colour_from_hex(std::string_view text) {
     const auto [end, code] = std::from_chars(first, first + 2, level, 16);
     if (code != std::errc{} || end != first + 2) return {};
     const float x = static_cast<float>(level) / 255;
-    colour[i] = x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);  // [IEC 61966-2-1]
+    colour[i] = linear_from_srgb(x);
   }
   return colour;
 }

@@ -17,6 +17,7 @@ void add_hit_command(CLI::App& app, Exit& exit);
 void add_info_command(CLI::App& app, Exit& exit);
 void add_display_command(CLI::App& app, Exit& exit);
 void add_tessellate_command(CLI::App& app, Exit& exit);
+void add_diff_command(CLI::App& app, Exit& exit);
 
 // Says the error on stderr, one line, and gives its exit code.
 Exit fail(const Error& error);

@@ -48,7 +48,6 @@ struct PlannedCommand {
 constexpr PlannedCommand kPlanned[] = {{"compare", "direct against tessellated, or against a given mesh"},
                                        {"convert", "B-rep to a globally smooth spline"},
                                        {"vectorise", "raster image to a vector image"},
-                                       {"diff", "compare two pictures"},
                                        {"preview", "interactive window"}};
 
 void add_planned_commands(CLI::App& app, Exit& exit) {
@@ -92,6 +91,7 @@ Exit run(int argc, char** argv) {
   add_info_command(app, exit);
   add_display_command(app, exit);
   add_tessellate_command(app, exit);
+  add_diff_command(app, exit);
   add_planned_commands(app, exit);
   if (argc > 1 && argv[1][0] != '-')
     if (const auto error = unknown_command(app, argv[1])) return fail(*error);

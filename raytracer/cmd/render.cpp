@@ -70,11 +70,6 @@ void report(const RenderOptions& options, const SceneEntry& scene, const RenderR
   if (options.stats) fmt::print(stderr, "{}", full_statistics(tracer.build_stats(), result.stats));
 }
 
-Integrator integrator_for(const SceneEntry& scene, const Tracer& tracer, const Camera& camera, const Sampler& sampler) {
-  if (scene.shade == Shade::clay) return clay(tracer, lights_for(scene.lights, camera), sampler);
-  return inspection(tracer, scene.shade, {-camera.back, camera.position, depth_range(camera, tracer.scene().box())});
-}
-
 Exit render_scene(const RenderOptions& options, const SceneEntry& scene, LoadedModels& loaded, const MeshFigures* mesh,
                   const RenderSettings& settings, int threads) {
   const Tracer tracer(std::move(loaded.scene));
