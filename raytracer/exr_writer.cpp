@@ -108,6 +108,7 @@ void add_layers(Channels& channels, const Film& film) {
   }
   if (!film.instance.empty()) channels.add("id.instance", film.instance.data());
   if (!film.face.empty()) channels.add("id.face", film.face.data());
+  for (const NamedPlane& plane : film.planes) channels.add(plane.name.c_str(), plane.values.data());
 }
 
 }  // namespace

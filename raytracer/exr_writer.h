@@ -2,7 +2,8 @@
 //
 // One part, scan lines, ZIP. Unnamed R G B A in half, linear Rec. 709, premultiplied, never clamped below the largest half. Data layers in
 // float: N.X N.Y N.Z (outward normal, world axes), P.X P.Y P.Z (world), Z (distance along the line of sight; infinite: nothing there),
-// uv.u uv.v (the surface's parameters), id.instance id.face (-1: nothing there). No time stamps: same picture, same bytes.
+// uv.u uv.v (the surface's parameters), id.instance id.face (-1: nothing there), and planes with names of their own. No time stamps:
+// same picture, same bytes.
 #pragma once
 
 #include <string>

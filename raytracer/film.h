@@ -1,6 +1,7 @@
 // The picture while it is made: radiance with coverage, and data of the surface at each pixel's centre.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "raytracer/camera.h"
@@ -22,6 +23,12 @@ struct PixelData {
   std::int32_t instance = -1, face = -1;
 };
 
+// A plane of numbers beside the colour, under a name of its own: "deviation".
+struct NamedPlane {
+  std::string name;
+  std::vector<float> values;  // width * height
+};
+
 class Film {
  public:
   // Throws std::bad_alloc if the picture does not fit.
@@ -40,6 +47,7 @@ class Film {
   std::vector<float> z;
   std::vector<glm::vec2> uv;
   std::vector<float> instance, face;  // whole numbers, exact up to 2^24; -1: nothing
+  std::vector<NamedPlane> planes;     // any others
 
  private:
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * size_.width + x; }

@@ -79,7 +79,10 @@ Result<Image> read_linear_image(const std::string& path) {
   return std::move(stored->image);
 }
 
-Status write_image_8bit(const std::string& path, const Image& image) {
+namespace {
+
+// Of a picture as write_image_8bit describes; `path` tells the format.
+Result<std::string> encode_8bit(const std::string& path, const Image& image) {
   const auto output = OIIO::ImageOutput::create(path);
   if (!output || !output->supports("ioproxy"))
     return Error{Exit::bad_command_line, path, {}, "not a name of a picture format that can be written; try .png or .jpg"};
@@ -101,7 +104,17 @@ Status write_image_8bit(const std::string& path, const Image& image) {
     for (int c = 0; c < channels; ++c) values.push_back(alpha ? pixel[c] : pixel[c] * pixel.a);
   if (!output->write_image(OIIO::TypeDesc::FLOAT, values.data()) || !output->close())
     return read_write_error(path, fmt::format("cannot be encoded: {}", output->geterror()));
-  return write_whole_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return std::string(bytes.begin(), bytes.end());
 }
+
+}  // namespace
+
+Status write_image_8bit(const std::string& path, const Image& image) {
+  const auto bytes = encode_8bit(path, image);
+  if (!bytes) return bytes.error();
+  return write_whole_file(path, *bytes);
+}
+
+Result<std::string> encode_png(const Image& image) { return encode_8bit("picture.png", image); }
 
 }  // namespace iso

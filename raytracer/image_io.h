@@ -27,4 +27,7 @@ Result<Image> read_linear_image(const std::string& path);
 // without alpha shows the picture over black.
 Status write_image_8bit(const std::string& path, const Image& image);
 
+// The bytes of such a picture as PNG.
+Result<std::string> encode_png(const Image& image);
+
 }  // namespace iso

@@ -11,21 +11,24 @@
 
 namespace iso {
 
-// One picture: kept as EXR beside the page, and shown in it.
-struct ReportPicture {
-  std::string key;    // "direct", "tessellated", "difference", "silhouette", "deviation", "normals", "facets"
-  std::string title;  // for people
-  std::string file;   // the EXR's name in the report's folder; may be empty
-  std::string png;    // bytes, display-encoded
-};
-
 // A false colour scale: from `lo` to `hi` in `unit`.
 struct ReportLegend {
   std::string key, unit;
   double lo = 0, hi = 0;
-  std::vector<Colour> colours;  // display-encoded, evenly spaced from lo to hi
+  std::vector<Colour> colours;           // display-encoded, evenly spaced from lo to hi; without `labels`, they are blended
+  std::vector<std::string> labels = {};  // if any, one for each colour: the colours mean kinds, and there is no scale
 };
 
+// One picture: kept as EXR beside the page, and shown in it.
+struct ReportPicture {
+  std::string key;                          // "direct", "tessellated", "difference", "silhouette", "deviation", "normals", "facets"
+  std::string title;                        // for people
+  std::string file;                         // the EXR's name in the report's folder; may be empty
+  std::string png;                          // bytes, display-encoded
+  std::optional<ReportLegend> legend = {};  // of this picture; else the report's of the same key, if there is one
+};
+
+// What is 0 was not measured.
 struct ReportCost {
   double tessellate_seconds = 0;  // 0: not ours
   double build_seconds = 0;
@@ -33,7 +36,7 @@ struct ReportCost {
   std::uint64_t bytes = 0;                   // of what is traced
 };
 
-// How a mesh's picture differs from the direct one.
+// How a mesh's picture differs from the direct one; told of meshes that have pictures.
 struct ReportImages {
   ImageDifference difference;
   double flip_ldr = 0, flip_hdr = 0;  // means
@@ -49,7 +52,8 @@ struct ReportMesh {
   std::vector<std::string> broken;   // ours: promises not kept
   std::uint64_t points = 0, triangles = 0;
   MeshComparison comparison;
-  std::string verdict;  // a sentence
+  std::string verdict;             // a sentence
+  std::vector<std::string> notes;  // of a foreign mesh: what its reader mended or left out
   ReportCost cost;
   ReportImages images;
   std::vector<ReportPicture> pictures;
@@ -57,6 +61,8 @@ struct ReportMesh {
 
 struct CompareReport {
   std::string version, model, unit;
+  std::string command;  // the command line; may be empty
+  std::string machine;  // where the costs were measured, "AMD EPYC, 2 threads"; may be empty
   double diagonal = 0;
   std::uint64_t faces = 0;
   std::string view;  // of the camera, for people: "iso, perspective 28 degrees"
@@ -77,5 +83,8 @@ struct CompareReport {
 std::string compare_json(const CompareReport& report);  // whole numbers and finite ones; what is not finite is null
 std::string compare_csv(const CompareReport& report);   // a row per mesh and face, and one per mesh for all
 std::string compare_page(const CompareReport& report);  // self-contained HTML
+
+// Texts may hold anything, bytes that are no UTF-8 included, and numbers anything. compare_report.md describes the JSON and the CSV. Every
+// number that the page shows stands in the JSON too. Same report, same bytes.
 
 }  // namespace iso
