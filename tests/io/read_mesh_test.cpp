@@ -1,0 +1,2 @@
+#include "patches/io/read_mesh.h"
+#include <gtest/gtest.h>
