@@ -68,8 +68,13 @@ class PolygonCutter {
   void flatten() {
     const std::size_t n = corners_.size();
     const Point3 origin = points_[corners_[0]];
-    Vec3 normal(0.0);
-    for (std::size_t i = 1; i + 1 < n; ++i) normal += glm::cross(points_[corners_[i]] - origin, points_[corners_[i + 1]] - origin);
+    Vec3 normal(0.0), largest(0.0);
+    for (std::size_t i = 1; i + 1 < n; ++i) {
+      const Vec3 area = glm::cross(points_[corners_[i]] - origin, points_[corners_[i + 1]] - origin);
+      normal += area;
+      if (glm::dot(area, area) > glm::dot(largest, largest)) largest = area;
+    }
+    if (glm::length(normal) < kStraightSine * glm::length(largest)) normal = largest;  // a figure of eight has two sides to look at
     int axis = 0;
     for (int c = 1; c < 3; ++c)
       if (std::abs(normal[c]) > std::abs(normal[axis])) axis = c;
@@ -99,7 +104,7 @@ class PolygonCutter {
     }
     const std::uint32_t last = first_left();
     emit(last);
-    crossing += crosses;
+    crossing += crosses || turn(last) == Turn::right;  // as what is left of a figure of eight
   }
 
   void start() {

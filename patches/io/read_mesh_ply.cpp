@@ -229,15 +229,14 @@ class PlyReader {
     end_polygon();
   }
 
-  // Triangles between each three points that follow each other, every other one turned; -1 begins anew.
+  // Triangles of each three points that follow each other, every other one turned; -1 begins anew. A corner twice makes no triangle.
   void add_strips(const std::vector<std::int64_t>& list) {
     std::size_t begin = 0;
     for (std::size_t i = 0; i < list.size(); ++i) {
       if (list[i] < 0) begin = i + 1;
-      if (i < begin + 2) continue;
-      const bool turned = (i - begin) % 2 == 1;
-      const auto point = [&](std::size_t k) { return static_cast<std::uint32_t>(list[k]); };
-      polygons_.corners.insert(polygons_.corners.end(), {point(i - 2), point(turned ? i : i - 1), point(turned ? i - 1 : i)});
+      if (i < begin + 2 || list[i - 2] == list[i - 1] || list[i - 1] == list[i] || list[i] == list[i - 2]) continue;
+      const std::size_t odd = (i - begin) % 2;
+      for (const std::size_t k : {i - 2, i - 1 + odd, i - odd}) polygons_.corners.push_back(static_cast<std::uint32_t>(list[k]));
       end_polygon();
     }
   }

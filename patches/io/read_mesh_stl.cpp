@@ -67,7 +67,7 @@ class TextStl {
 
   ForeignMesh read() {
     while (lines_.next(line_)) statement(lower(line_.words[0]));
-    if (corners_ >= 0) fail(path_, lines_.number(), "found the end of the file within a facet, expected `endfacet`");
+    if (!ended_) fail(path_, lines_.number(), "found the end of the file, expected `endsolid`");
     mesh_.rounding = digits_.rounding(largest_coordinate(mesh_.points));
     return std::move(mesh_);
   }
@@ -81,7 +81,7 @@ class TextStl {
     else if (key == "endfacet")
       end_facet();
     else if (key == "solid" || key == "endsolid" || key == "end")
-      corners_ = corners_ < 0 ? -1 : unexpected("`endfacet`");
+      ended_ = corners_ < 0 ? key != "solid" : unexpected("`endfacet`");
     else if (key != "outer" && key != "endloop")
       unexpected("facet, outer loop, vertex, endloop, endfacet or endsolid");
   }
@@ -117,6 +117,7 @@ class TextStl {
   ForeignMesh mesh_;
   TextDigits digits_;
   int corners_ = -1;  // of the facet so far; negative between facets
+  bool ended_ = false;
 };
 
 }  // namespace
