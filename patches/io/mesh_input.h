@@ -62,15 +62,16 @@ void cut_polygons(const Polygons& polygons, ForeignMesh& mesh);
 // of three directions.
 double float_rounding(double largest);
 
-// The same for numbers in text, by the most digits that a number has. Under five digits, numbers are taken as meant (a cube made by hand);
-// with sixteen and more, as doubles; with nine and fewer, they may be floats as well.
+// The same for numbers in text, by the most digits and the largest size of those with a decimal point; others are taken as meant. Under
+// five digits, all are (a cube made by hand); with sixteen and more they are doubles; with nine and fewer they may be floats as well.
 class TextDigits {
  public:
-  void include(std::string_view number);
-  double rounding(double largest) const;
+  void include(std::string_view number, double value);
+  double rounding() const;
 
  private:
   int most_ = 0;
+  double largest_ = 0;
 };
 
 double largest_coordinate(const std::vector<Point3>& points);

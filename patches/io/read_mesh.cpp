@@ -109,20 +109,24 @@ double float_rounding(double largest) {
   return std::sqrt(3.0) * std::ldexp(1.0, std::max(std::ilogb(largest), kLeast) - kHalfUnit);
 }
 
-void TextDigits::include(std::string_view number) {
+void TextDigits::include(std::string_view number, double value) {
   int digits = 0;
+  bool has_point = false;
   for (const char c : number) {
     if (c == 'e' || c == 'E') break;
+    has_point = has_point || c == '.';
     digits += c >= '0' && c <= '9' && (c != '0' || digits > 0);
   }
+  if (!has_point) return;
   most_ = std::max(most_, digits);
+  largest_ = std::max(largest_, std::abs(value));
 }
 
-double TextDigits::rounding(double largest) const {
+double TextDigits::rounding() const {
   constexpr int kFewest = 5, kFloat = std::numeric_limits<float>::max_digits10, kDouble = std::numeric_limits<double>::digits10;
-  if (most_ < kFewest || most_ > kDouble || largest == 0) return 0;
-  const double text = std::sqrt(3.0) * 0.5 * std::pow(10.0, std::floor(std::log10(largest)) - most_ + 1);
-  return most_ <= kFloat ? std::max(text, float_rounding(largest)) : text;
+  if (most_ < kFewest || most_ > kDouble || largest_ == 0) return 0;
+  const double text = std::sqrt(3.0) * 0.5 * std::pow(10.0, std::floor(std::log10(largest_)) - most_ + 1);
+  return most_ <= kFloat ? std::max(text, float_rounding(largest_)) : text;
 }
 
 Result<ForeignMesh> read_mesh(const std::string& path) {

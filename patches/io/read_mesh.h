@@ -13,7 +13,7 @@
 // cut, left out or found is told in `notes`.
 //
 // `rounding` bounds how far a point may have been moved by the format: for floats half a unit in the last place of the largest coordinate,
-// in three directions; for text the same of its last digit where numbers have 5 to 15 digits, else 0; for doubles 0.
+// in three directions; for text the same of the last digit where numbers with a decimal point have 5 to 15 digits, else 0; for doubles 0.
 #pragma once
 
 #include <string>

@@ -32,7 +32,7 @@ class ObjPolygons {
     if (passed_over_ > 0)
       mesh_.notes.push_back(fmt::format("statements that are no polygons, left out: {}, the first ({}) in line {}", passed_over_,
                                         first_passed_over_, first_passed_over_line_));
-    mesh_.rounding = digits_.rounding(largest_coordinate(mesh_.points));
+    mesh_.rounding = digits_.rounding();
     return std::move(mesh_);
   }
 
@@ -46,7 +46,7 @@ class ObjPolygons {
     Point3 p;
     for (std::size_t c = 0; c < 3; ++c) {
       p[static_cast<int>(c)] = number_in(path_, line_.number, line_.words[c + 1], "a coordinate");
-      digits_.include(line_.words[c + 1]);
+      digits_.include(line_.words[c + 1], p[static_cast<int>(c)]);
     }
     mesh_.points.push_back(p);
   }

@@ -170,14 +170,14 @@ class PlyReader {
           continue;
         }
         p[axis_of[i]] = rows_.number(e.properties[i].type);
-        if (rows_.order == PlyOrder::text) digits.include(rows_.last_word());
+        if (rows_.order == PlyOrder::text) digits.include(rows_.last_word(), p[axis_of[i]]);
       }
       if (!is_sensible(p)) rows_.complain(fmt::format("the point {} {} {}", p.x, p.y, p.z), kSensible);
       rows_.end();
       mesh_.points.push_back(p);
     }
     const double largest = largest_coordinate(mesh_.points);
-    mesh_.rounding = std::max(digits.rounding(largest), in_float ? float_rounding(largest) : 0.0);
+    mesh_.rounding = std::max(digits.rounding(), in_float ? float_rounding(largest) : 0.0);
   }
 
   void skip(const PlyProperty& p) {

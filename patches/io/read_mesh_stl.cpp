@@ -68,7 +68,7 @@ class TextStl {
   ForeignMesh read() {
     while (lines_.next(line_)) statement(lower(line_.words[0]));
     if (!ended_) fail(path_, lines_.number(), "found the end of the file, expected `endsolid`");
-    mesh_.rounding = digits_.rounding(largest_coordinate(mesh_.points));
+    mesh_.rounding = digits_.rounding();
     return std::move(mesh_);
   }
 
@@ -97,7 +97,7 @@ class TextStl {
     Point3 p;
     for (std::size_t c = 0; c < 3; ++c) {
       p[static_cast<int>(c)] = number_in(path_, line_.number, line_.words[c + 1], "a coordinate");
-      digits_.include(line_.words[c + 1]);
+      digits_.include(line_.words[c + 1], p[static_cast<int>(c)]);
     }
     mesh_.points.push_back(p);
     ++corners_;

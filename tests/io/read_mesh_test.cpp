@@ -149,6 +149,7 @@ TEST_F(ReadMesh, RoundingOfTextFollowsItsDigits) {
   const auto rounding = [&](const std::string& x) { return read("a.obj", "v " + x + " 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n").rounding; };
   EXPECT_EQ(rounding("2"), 0);
   EXPECT_EQ(rounding("1234"), 0);
+  EXPECT_EQ(rounding("123456"), 0) << "taken as meant";
   EXPECT_NEAR(rounding("123.456"), std::sqrt(3.0) * 0.5e-3, 1e-12) << "six digits";
   EXPECT_NEAR(rounding("0.0123456e2"), std::sqrt(3.0) * 0.5e-5, 1e-12);
   EXPECT_NEAR(rounding("1.23456789"), std::sqrt(3.0) * 0x1p-24, 1e-12) << "nine digits may be a float";
@@ -263,7 +264,7 @@ TEST_F(ReadMesh, DamagedStlIsRefusedWithThePlace) {
   bad[83] = '\x7f';
   expect_place(refused("a.stl", bad), "byte 284: ", "expected 2130706436 triangles");
   const std::string text = text_stl(kCorners, kSides);
-  expect_place(refused("a.stl", text.substr(0, 140)), "7: ", "end of the file, expected `endsolid`");
+  expect_place(refused("a.stl", text.substr(0, 140)), "8: ", "end of the file, expected `endsolid`");
   const auto replaced = [&](const std::string& what, const std::string& by) {
     return std::string(text).replace(text.find(what), what.size(), by);
   };
