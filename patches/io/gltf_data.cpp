@@ -274,24 +274,29 @@ GltfNumbers GltfData::numbers(const GltfValue& accessor, const std::string& type
   };
 
   // Without a view all are 0 at first; more of them than the file has bytes are damage.
-  const bool has_view = a.has("bufferView");
   if (count > bytes_) a.at("count").fail(fmt::format("{}", count), fmt::format("no more than the buffers' {} bytes", bytes_));
   result.values.resize(components * count);
-  if (has_view) for_each_element(a, count, components * c.bytes, put);
+  if (a.has("bufferView")) for_each_element(a, count, components * c.bytes, put);
   if (!a.has("sparse")) return result;
-  const GltfValue sparse = a.at("sparse"), places = sparse.at("indices");
-  std::vector<std::uint64_t> index;
-  const Component place = component(places);
-  const std::uint64_t replaced = sparse.at("count").whole();
-  for_each_element(places, replaced, place.bytes, [&](std::uint64_t, std::string_view bytes) {
-    const double i = place.value(bytes);
-    if (!(i >= 0 && i < static_cast<double>(count)) || i != std::floor(i))
-      places.fail(fmt::format("{}", i), fmt::format("an index under {}", count));
-    index.push_back(static_cast<std::uint64_t>(i));
-  });
-  for_each_element(sparse.at("values"), replaced, components * c.bytes,
-                   [&](std::uint64_t i, std::string_view bytes) { put(index[i], bytes); });
+  const GltfValue sparse = a.at("sparse");
+  const std::vector<std::uint64_t> places = sparse_places(sparse, count);
+  for_each_element(sparse.at("values"), places.size(), components * c.bytes,
+                   [&](std::uint64_t i, std::string_view bytes) { put(places[i], bytes); });
   return result;
+}
+
+// Which elements of `count` a sparse accessor replaces.
+std::vector<std::uint64_t> GltfData::sparse_places(const GltfValue& sparse, std::uint64_t count) const {
+  const GltfValue indices = sparse.at("indices");
+  const Component c = component(indices);
+  std::vector<std::uint64_t> places;
+  for_each_element(indices, sparse.at("count").whole(), c.bytes, [&](std::uint64_t, std::string_view bytes) {
+    const double i = c.value(bytes);
+    if (!(i >= 0 && i < static_cast<double>(count) && i == std::floor(i)))
+      indices.fail(fmt::format("{}", i), fmt::format("an index under {}", count));
+    places.push_back(static_cast<std::uint64_t>(i));
+  });
+  return places;
 }
 
 }  // namespace iso

@@ -64,6 +64,7 @@ class GltfData {
   void read_buffers();
   std::string_view buffer(const GltfValue& value, std::size_t i);
   Component component(const GltfValue& holder) const;
+  std::vector<std::uint64_t> sparse_places(const GltfValue& sparse, std::uint64_t count) const;
   template <class Put>
   void for_each_element(const GltfValue& holder, std::uint64_t count, std::size_t bytes, Put put) const;
 

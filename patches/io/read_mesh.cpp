@@ -1,5 +1,4 @@
-// The readers are our own because the usual library for the purpose, Open Asset Import, keeps coordinates in float: a mesh could not be
-// compared with its model beyond seven digits.
+// Readers of our own, because Open Asset Import keeps coordinates in float: no mesh could be compared with its model beyond seven digits.
 #include "patches/io/read_mesh.h"
 
 #include <fmt/format.h>

@@ -235,7 +235,7 @@ std::string objection(const Result<ForeignMesh>& mesh) {
   return mesh->triangles.empty() || !finite(mesh->rounding) ? "no mesh" : "";
 }
 
-TEST(ReadMeshFiles, DamagedFilesAreReadOrRefusedWithOneLine) {
+std::vector<std::pair<const char*, std::string>> undamaged() {
   std::vector<Point3> points;
   std::vector<PointTriangle> triangles;
   for (std::uint32_t i = 0; i < 20; ++i) {
@@ -245,47 +245,52 @@ TEST(ReadMeshFiles, DamagedFilesAreReadOrRefusedWithOneLine) {
   std::string obj;
   for (const Point3& p : points) obj += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
   for (int i = 1; i < 40; ++i) obj += fmt::format("f {}/1/1 {} -{}//2 {}\n", i, i + 7, i, i + 19);
-  const std::pair<const char*, std::string> kinds[] = {
-      {".stl", binary_stl(points, triangles)},
-      {".stl", text_stl(points, triangles)},
-      {".obj", obj},
-      {".ply", tetrahedron_ply(PlyBytes::text, "float", "uchar", "int", "vertex_indices")},
-      {".ply", tetrahedron_ply(PlyBytes::little, "double", "uint", "int", "vertex_index")},
-      {".ply", tetrahedron_ply(PlyBytes::big, "float", "uchar", "short", "vertex_indices")},
-      {".gltf", tetrahedron_gltf(R"("rotation":[0,0,1,0],"children":[1]},{"mesh":0)")},
-      {".gltf", square_gltf(R"("attributes":{"POSITION":5},"indices":2},{"attributes":{"POSITION":4},"mode":5)")},
-      {".glb", glb_of(tetrahedron_gltf("", R"("mesh":0)", GltfScene::first, ""), gltf_numbers())}};
+  return {{".stl", binary_stl(points, triangles)},
+          {".stl", text_stl(points, triangles)},
+          {".obj", obj},
+          {".ply", tetrahedron_ply(PlyBytes::text, "float", "uchar", "int", "vertex_indices")},
+          {".ply", tetrahedron_ply(PlyBytes::little, "double", "uint", "int", "vertex_index")},
+          {".ply", tetrahedron_ply(PlyBytes::big, "float", "uchar", "short", "vertex_indices")},
+          {".gltf", tetrahedron_gltf(R"("rotation":[0,0,1,0],"children":[1]},{"mesh":0)")},
+          {".gltf", square_gltf(R"("attributes":{"POSITION":5},"indices":2},{"attributes":{"POSITION":4},"mode":5)")},
+          {".glb", glb_of(tetrahedron_gltf("", R"("mesh":0)", GltfScene::first, ""), gltf_numbers())}};
+}
+
+// Reads damaged versions of a file and says what is wrong; the exit code of a child process.
+int read_damaged(const std::string& path, const std::string& whole) {
   constexpr int kRounds = 1500;
+  Random random(kSeed);
+  int read = 0, failed = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    std::filesystem::remove(path);  // file systems wait for the disk where files are overwritten
+    std::ofstream(path, std::ios::binary) << damaged(whole, random);
+    const auto mesh = read_mesh(path);
+    read += static_cast<bool>(mesh);
+    if (const std::string wrong = objection(mesh); !wrong.empty()) {
+      std::cout << "seed " << kSeed << ", round " << round << ": " << wrong << '\n';
+      ++failed;
+    }
+  }
+  std::cout << read << " of " << kRounds << " read" << std::endl;
+  return failed > 0 || read == 0 || read == kRounds;
+}
+
+TEST(ReadMeshFiles, DamagedFilesAreReadOrRefusedWithOneLine) {
   const TemporaryDir dir;
-  for (const auto& [ending, whole] : kinds) {
-    const std::string path = dir.path() / (std::string("a") + ending);
+  ChildLimits limits;
+  limits.memory_bytes = 2l << 30;
+  limits.seconds = 60;
+  int kinds = 0;
+  for (const auto& [ending, bytes] : undamaged()) {
+    const std::string path = dir.path() / (std::string("a") + ending), &whole = bytes;
     std::ofstream(path, std::ios::binary) << whole;
     ASSERT_EQ(objection(read_mesh(path)), "");
-    ChildLimits limits;
-    limits.memory_bytes = 2l << 30;
-    limits.seconds = 60;
-    const std::string& bytes = whole;
-    const ChildResult child = run_in_child(
-        [&] {
-          Random random(kSeed);
-          int read = 0, failed = 0;
-          for (int round = 0; round < kRounds; ++round) {
-            std::filesystem::remove(path);  // file systems wait for the disk where files are overwritten
-            std::ofstream(path, std::ios::binary) << damaged(bytes, random);
-            const auto mesh = read_mesh(path);
-            read += static_cast<bool>(mesh);
-            if (const std::string wrong = objection(mesh); !wrong.empty()) {
-              std::cout << "round " << round << ": " << wrong << '\n';
-              ++failed;
-            }
-          }
-          std::cout << read << " of " << kRounds << " read" << std::endl;
-          return failed > 0 || read == 0 || read == kRounds;
-        },
-        {}, limits);
+    const ChildResult child = run_in_child([&] { return read_damaged(path, whole); }, {}, limits);
     EXPECT_EQ(child.code, 0) << ending << ": " << child.summary() << '\n' << child.out;
     std::cout << ending << ": " << child.out;
+    ++kinds;
   }
+  EXPECT_EQ(kinds, 9);
 }
 
 }  // namespace
