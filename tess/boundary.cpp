@@ -154,6 +154,41 @@ constexpr double kShort = 4;
 // A gap of this share of the part's size at a vertex is closed, whatever the tolerance.
 constexpr double kLargestGap = 1e-4;
 
+// Where all ends of a vertex lie, and how far from their middle.
+struct VertexSpread {
+  Point3 middle{0.0};
+  double most = 0;
+  int ends = 0;
+};
+
+std::vector<VertexSpread> vertex_spreads(const Part& part, const Boundary& boundary) {
+  std::vector<VertexSpread> all(static_cast<std::size_t>(boundary.vertex_count));
+  const auto for_ends = [&](auto f) {
+    for (const EdgeUse& use : boundary.uses)
+      for (const std::size_t k : {0, 1})
+        f(all[static_cast<std::size_t>(boundary.edges[static_cast<std::size_t>(use.edge)].vertex[k])],
+          place(part, use, static_cast<double>(k)));
+  };
+  for_ends([](VertexSpread& v, const Point3& p) { v.middle += p, ++v.ends; });
+  for (VertexSpread& v : all) v.middle /= std::max(1, v.ends);
+  for_ends([](VertexSpread& v, const Point3& p) { v.most = std::max(v.most, glm::length(p - v.middle)); });
+  return all;
+}
+
+// A free edge that is shorter than the way its vertices moved becomes a point: else it would be drawn out, and turn about.
+void join_ends_of_dwarfed_edges(const Part& part, Boundary& boundary) {
+  const std::vector<VertexSpread> spreads = vertex_spreads(part, boundary);
+  Sets vertices(spreads.size());
+  for (BoundaryEdge& edge : boundary.edges) {
+    if (edge.degenerate || edge.uses.size() != 1 || edge.vertex[0] == edge.vertex[1]) continue;
+    const EdgeUse& use = boundary.uses[static_cast<std::size_t>(edge.uses[0])];
+    const double moved = spreads[static_cast<std::size_t>(edge.vertex[0])].most + spreads[static_cast<std::size_t>(edge.vertex[1])].most;
+    if (moved > 0 && extent_of(part, use) <= moved) vertices.join(edge.vertex[0], edge.vertex[1]);
+  }
+  for (BoundaryEdge& edge : boundary.edges)
+    for (int& v : edge.vertex) v = vertices.root(v);
+}
+
 // Short edges whose ends are one vertex but do not lie together are points: gaps that a face closes with an edge of its own, or edges whose
 // neighbours were joined with edges that meet in one.
 void collapse_short_edges(const Part& part, Boundary& boundary) {
@@ -247,6 +282,8 @@ Boundary::Boundary(const Part& part, double sew) {
   collapse_short_edges(part, *this);
   if (joins.joined == 0) return;
   join_short_edges(part, *this);
+  join_ends_of_dwarfed_edges(part, *this);
+  collapse_short_edges(part, *this);
   compact(*this);
 }
 

@@ -25,15 +25,20 @@ class SpaceCurve {
   const Point3& from() const { return places_.front(); }
   const Point3& to() const { return places_.back(); }
 
-  // From p: the nearest of many places, then by thirds around it.
-  double distance(const Point3& p) const {
+  // From p: the nearest of many places, then by thirds around it; not looked at closely where it is more than `most` for certain.
+  double distance(const Point3& p, double most = kInf) const {
     std::size_t near = 0;
     for (std::size_t i = 1; i < places_.size(); ++i)
       if (glm::length(places_[i] - p) < glm::length(places_[near] - p)) near = i;
     double lo = std::max(0.0, (static_cast<double>(near) - 1) / kPlaces), hi = std::min(1.0, (static_cast<double>(near) + 1) / kPlaces);
+    const double step = glm::length(at(hi) - at(lo));
+    if (glm::length(places_[near] - p) > most + step) return kInf;
     for (int i = 0; i < 60; ++i) {
       const double a = lo + (hi - lo) / 3, b = hi - (hi - lo) / 3;
-      (glm::length(at(a) - p) < glm::length(at(b) - p) ? hi : lo) = glm::length(at(a) - p) < glm::length(at(b) - p) ? b : a;
+      if (glm::length(at(a) - p) < glm::length(at(b) - p))
+        hi = b;
+      else
+        lo = a;
     }
     return std::min({glm::length(at(lo) - p), glm::length(places_.front() - p), glm::length(places_.back() - p)});
   }
@@ -173,7 +178,7 @@ class Checks {
     return {};
   }
 
-  // No two open edges of a solid run within half the tolerance of each other.
+  // No two open edges run within half the tolerance of each other where they could be joined.
   std::string near_are_joined(SewingCounts& counts) const {
     std::vector<int> open;
     for (const BoundaryEdge& edge : after_.edges)
@@ -190,24 +195,35 @@ class Checks {
     return {};
   }
 
-  // How far one runs within half the tolerance of the other, if that is too far for two curves that only touch or for short edges.
+  // How far one runs within half the tolerance of the other, from a vertex of either to a vertex of either; 0 if that is too short to
+  // count: for short edges, and for curves that only touch.
   double run_together(const SpaceCurve& a, const SpaceCurve& b) const {
-    const double half = 0.5 * after_.joins.tolerance;
+    const double half = 0.5 * after_.joins.tolerance, enough = 24 * after_.joins.tolerance + 4 * std::sqrt(after_.joins.tolerance * size_);
+    if (!touch(a, b, half)) return 0;
+    const auto& places = a.places();
+    std::vector<char> near(places.size());
+    for (std::size_t i = 0; i < near.size(); ++i) near[i] = b.distance(places[i], half) <= half;
+    // Of two neighbours of which one is near, the vertex of the other curve lies between them, if there is one.
+    const auto ends_at = [&](std::size_t in, std::size_t out) {
+      const double step = glm::length(places[in] - places[out]) + half;
+      return std::min(glm::length(places[in] - b.from()), glm::length(places[in] - b.to())) <= step;
+    };
+    for (std::size_t i = 0, end = 0; i < near.size(); i = end + 1) {
+      double together = 0;
+      for (end = i; end < near.size() && near[end]; ++end)
+        if (end > i) together += glm::length(places[end] - places[end - 1]);
+      if (together > enough && (i == 0 || ends_at(i, i - 1)) && (end == near.size() || ends_at(end - 1, end))) return together;
+    }
+    return 0;
+  }
+
+  static bool touch(const SpaceCurve& a, const SpaceCurve& b, double within) {
     Box3 box_a, box_b;
     for (const Point3& p : a.places()) box_a.include(p);
     for (const Point3& p : b.places()) box_b.include(p);
     for (int axis = 0; axis < 3; ++axis)
-      if (box_a.lo[axis] > box_b.hi[axis] + half || box_b.lo[axis] > box_a.hi[axis] + half) return 0;
-    const double enough = 24 * after_.joins.tolerance + 4 * std::sqrt(after_.joins.tolerance * size_);
-    double together = 0;
-    bool was_near = false;
-    for (std::size_t i = 0; i < a.places().size(); ++i) {
-      const bool is_near = b.distance(a.places()[i]) <= half;
-      together = is_near && was_near ? together + glm::length(a.places()[i] - a.places()[i - 1]) : 0;
-      if (together > enough) return together;
-      was_near = is_near;
-    }
-    return 0;
+      if (box_a.lo[axis] > box_b.hi[axis] + within || box_b.lo[axis] > box_a.hi[axis] + within) return false;
+    return true;
   }
 
   const Part& part_;

@@ -245,11 +245,15 @@ std::vector<std::uint8_t> random_sewing_bytes(std::uint64_t seed) {
   Random random(seed);
   std::vector<std::uint8_t> bytes(kSewingHeader + kPatchBytes * static_cast<std::size_t>(whole(random, 2, kMostPatches)));
   for (std::uint8_t& b : bytes) b = static_cast<std::uint8_t>(random());
-  // Few faces are shared or of a solid, so that there is something to sew; half of the models have gaps that all may be closed.
+  // Few faces are of a solid or share edges, a quarter of the models left out; half of the models have gaps that all may be closed.
   for (std::size_t i = kSewingHeader; i < bytes.size(); i += kPatchBytes) {
     if (whole(random, 0, 3)) bytes[i] = static_cast<std::uint8_t>(bytes[i] & ~0x70u);
+    if (seed % 4 == 1) bytes[i] |= 0x40;
     bytes[i + 1] = static_cast<std::uint8_t>(bytes[i + 1] & ~0xau);
     if (seed % 2) bytes[i + 3] = static_cast<std::uint8_t>(bytes[i + 3] % 5 + (bytes[i + 3] & ~7u));
+    // Half of the sides are not cut.
+    for (std::size_t side = 4; side < 8; ++side)
+      if (whole(random, 0, 1)) bytes[i + side] = static_cast<std::uint8_t>(bytes[i + side] & ~3u);
     // Some patches are copies.
     if (i > kSewingHeader && whole(random, 0, 9) == 0) std::copy_n(&bytes[i - kPatchBytes], 3, &bytes[i]);
   }

@@ -21,20 +21,28 @@ TEST(SewingFuzz, Corpus) {
     const std::string wrong = run_sewing(bytes, counts);
     tally.check(wrong.empty(), [&] { return entry.path().filename().string() + ": " + wrong; });
   }
-  tally.finish_at_least(5);
+  tally.finish_at_least(6);
+  EXPECT_GT(counts.joined, 10);
+  EXPECT_GT(counts.split, 2);
 }
 
 TEST(SewingFuzz, RandomStrings) {
   Tally tally("random strings of loose faces", 1);
   SewingCounts counts;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
     const std::string wrong = run_sewing(random_sewing_bytes(seed), counts);
     tally.check(wrong.empty(), [&] { return fmt::format("string {}: {}", seed, wrong); });
   }
-  tally.finish(200);
+  tally.finish(150);
   fmt::print("[ counted  ] {} free edges, {} pairs joined, {} times split, {} open, {} collapsed, {} shared, {} compared, {} triangles\n",
              counts.free_edges, counts.joined, counts.split, counts.open, counts.collapsed, counts.shared, counts.compared,
              counts.triangles);
+  EXPECT_GT(counts.joined, 2000);
+  EXPECT_GT(counts.split, 2000);
+  EXPECT_GT(counts.open, 2000);
+  EXPECT_GT(counts.collapsed, 100);
+  EXPECT_GT(counts.shared, 10);
+  EXPECT_GT(counts.compared, 50000);
 }
 
 }  // namespace
