@@ -46,7 +46,7 @@ struct ForeignMesh {
   std::string unit;            // of the coordinates where the format fixes it ("m": glTF), else empty
   std::vector<Point3> points;  // equal places are one point
   std::vector<PointTriangle> triangles;
-  double rounding = 0;             // how far the file's number format may have moved a point, in its units; 0: doubles or text
+  double rounding = 0;  // how far the file's number format may have moved a point, in its units; 0: not at all, as far as is known
   std::vector<std::string> notes;  // what was mended or left out, a line each
 };
 

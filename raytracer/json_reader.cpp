@@ -144,6 +144,11 @@ std::string Node::text() const {
   return value_->get<std::string>();
 }
 
+bool Node::boolean() const {
+  if (!value_->is_boolean()) expected("true or false");
+  return value_->get<bool>();
+}
+
 Vec3 Node::vector() const {
   if (!is_array() || value_->size() != 3) expected("a list of three numbers");
   const std::vector<Node> parts = items("a list of three numbers");

@@ -45,6 +45,7 @@ class Node {
   double positive() const;
   long long whole(long long lo, long long hi) const;
   std::string text() const;
+  bool boolean() const;
   Vec3 vector() const;     // three finite numbers
   Vec3 direction() const;  // not zero; scaled to unit length
   Colour colour() const;   // three non-negative numbers (linear) or "#rrggbb" (sRGB)

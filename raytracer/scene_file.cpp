@@ -178,6 +178,22 @@ Background background(const Node& node) {
   node.expected("\"transparent\", \"sky\", or a colour");
 }
 
+MeshRequest mesh(const Node& node) {
+  node.check_keys(keys_of("mesh"));
+  MeshRequest request;
+  request.tolerance_name = "mesh.tolerance";
+  if (node.has("tolerance")) {
+    const auto tolerance = tolerance_named(node["tolerance"].text());
+    if (!tolerance) node["tolerance"].expected("a length such as \"0.05mm\", diagonals such as \"1e-4d\", or units of the models");
+    request.tolerance = *tolerance;
+  }
+  if (node.has("flat") && node["flat"].boolean()) request.shading = MeshShading::flat;
+  if (node.has("terminator_fix") && node["terminator_fix"].boolean()) request.terminator = Terminator::softened;
+  if (request.shading == MeshShading::flat && request.terminator == Terminator::softened)
+    node.fail("'terminator_fix' has no meaning with 'flat', whose triangles are lit by their own normals");
+  return request;
+}
+
 SceneEntry scene(const Node& root, const std::filesystem::path& folder) {
   root.check_keys(keys_of("scene"));
   SceneEntry entry;
@@ -189,6 +205,7 @@ SceneEntry scene(const Node& root, const std::filesystem::path& folder) {
   if (root.has("background")) entry.background = background(root["background"]);
   if (root.has("image")) image(root["image"], entry);
   if (root.has("shade")) entry.shade = static_cast<Shade>(root["shade"].word(kShadeNames));
+  if (root.has("mesh")) entry.mesh = mesh(root["mesh"]);
   if (root.has("$schema")) static_cast<void>(root["$schema"].text());
   if (root.has("comment")) static_cast<void>(root["comment"].text());
   return entry;
@@ -198,7 +215,7 @@ SceneEntry scene(const Node& root, const std::filesystem::path& folder) {
 
 const std::map<std::string, std::vector<const char*>>& scene_keys() {
   static const std::map<std::string, std::vector<const char*>> keys{
-      {"scene", {"$schema", "comment", "models", "camera", "lights", "background", "image", "shade"}},
+      {"scene", {"$schema", "comment", "models", "camera", "lights", "background", "image", "shade", "mesh"}},
       {"model", {"file", "transform", "colour"}},
       {"transform", {"translate", "rotate", "scale", "matrix"}},
       {"rotate", {"axis", "degrees"}},
@@ -206,7 +223,8 @@ const std::map<std::string, std::vector<const char*>>& scene_keys() {
       {"lights", {"sky", "key"}},
       {"sky", {"zenith", "ground", "up"}},
       {"key", {"from", "colour", "strength", "angle"}},
-      {"image", {"width", "height", "samples", "seed"}}};
+      {"image", {"width", "height", "samples", "seed"}},
+      {"mesh", {"tolerance", "flat", "terminator_fix"}}};
   return keys;
 }
 

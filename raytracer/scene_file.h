@@ -8,6 +8,8 @@
 
 #include "raytracer/json_reader.h"
 #include "raytracer/render.h"
+#include "raytracer/tolerance.h"
+#include "raytracer/trace_scene.h"
 
 namespace iso {
 
@@ -34,6 +36,14 @@ struct LightsEntry {
   std::optional<double> key_strength, key_angle;  // factor; diameter in radians
 };
 
+// Triangles in the place of the surfaces.
+struct MeshRequest {
+  Tolerance tolerance{1e-4, ToleranceUnit::diagonal};
+  std::string tolerance_name = "--tolerance";  // what errors call it
+  MeshShading shading = MeshShading::smooth;
+  Terminator terminator = Terminator::faceted;
+};
+
 struct SceneEntry {
   std::vector<ModelEntry> models;
   CameraEntry camera;
@@ -43,7 +53,8 @@ struct SceneEntry {
   int samples = 16;
   std::uint64_t seed = 0;
   Shade shade = Shade::clay;
-  std::string hash_text;  // what the scene hash covers beside the model files
+  std::optional<MeshRequest> mesh;  // none: exact surfaces
+  std::string hash_text;            // what the scene hash covers beside the model files
 };
 
 // Errors: file not readable (Exit::read_write); anything in it that is not as the schema says (Exit::bad_input).

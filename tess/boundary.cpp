@@ -51,8 +51,19 @@ TrimCurve side(const UV& from, const UV& to) {
   return curve;
 }
 
+// Distances of this share of the size are rounding.
+constexpr double kPoint = 1e-12;
+
 // Places at which two uses are compared.
 constexpr int kMatches = 16;
+
+// How far a use gets from its first end.
+double extent_of(const Part& part, const EdgeUse& use) {
+  double extent = 0;
+  for (int i = 1; i <= kMatches; ++i)
+    extent = std::max(extent, glm::length(place(part, use, static_cast<double>(i) / kMatches) - place(part, use, 0)));
+  return extent;
+}
 
 // The largest distance between two uses at equal shares.
 double apart(const Part& part, const EdgeUse& a, const EdgeUse& b) {
@@ -82,7 +93,7 @@ void add_sides(const Part& part, int face_index, Boundary& boundary) {
   const std::array<UV, 4> corner{d.lo, UV(d.hi.x, d.lo.y), d.hi, UV(d.lo.x, d.hi.y)};
   std::vector<int> loop;
   std::array<EdgeUse, 4> uses;
-  const double size = bounds(face.surface, d).diagonal(), tiny = 1e-12 * size;
+  const double tiny = kPoint * bounds(face.surface, d).diagonal();
   for (int k = 0; k < 4; ++k) {
     const std::size_t i = static_cast<std::size_t>(k);
     uses[i].face = face_index;
@@ -97,17 +108,23 @@ void add_sides(const Part& part, int face_index, Boundary& boundary) {
       }
     }
     if (uses[i].edge < 0) {
-      double length = 0;
-      for (int j = 1; j <= kMatches; ++j)
-        length = std::max(length, glm::length(place(part, uses[i], static_cast<double>(j) / kMatches) - place(part, uses[i], 0)));
       uses[i].edge = static_cast<int>(boundary.edges.size());
-      boundary.edges.push_back({{}, {}, -1, length <= tiny});
+      boundary.edges.push_back({{}, {}, -1, extent_of(part, uses[i]) <= tiny});
     }
     loop.push_back(static_cast<int>(boundary.uses.size()));
     boundary.edges[static_cast<std::size_t>(uses[i].edge)].uses.push_back(loop.back());
     boundary.uses.push_back(uses[i]);
   }
   boundary.loops.back().push_back(std::move(loop));
+}
+
+// Edges of no length are points, whether the file says so or not.
+void mark_points(const Part& part, Boundary& boundary) {
+  const double tiny = kPoint * part.box.diagonal();
+  for (BoundaryEdge& edge : boundary.edges)
+    edge.degenerate = edge.degenerate || std::all_of(edge.uses.begin(), edge.uses.end(), [&](int use) {
+                        return extent_of(part, boundary.uses[static_cast<std::size_t>(use)]) <= tiny;
+                      });
 }
 
 // Where a use ends the next of its loop begins: one vertex.
@@ -134,15 +151,43 @@ void number_vertices(Boundary& boundary) {
 // Up to this many tolerances edges are short: each end may have moved by two.
 constexpr double kShort = 4;
 
-double extent_of(const Part& part, const EdgeUse& use) {
-  double extent = 0;
-  for (int i = 1; i <= kMatches; ++i)
-    extent = std::max(extent, glm::length(place(part, use, static_cast<double>(i) / kMatches) - place(part, use, 0)));
-  return extent;
-}
-
 // A gap of this share of the part's size at a vertex is closed, whatever the tolerance.
 constexpr double kLargestGap = 1e-4;
+
+// Where all ends of a vertex lie, and how far from their middle.
+struct VertexSpread {
+  Point3 middle{0.0};
+  double most = 0;
+  int ends = 0;
+};
+
+std::vector<VertexSpread> vertex_spreads(const Part& part, const Boundary& boundary) {
+  std::vector<VertexSpread> all(static_cast<std::size_t>(boundary.vertex_count));
+  const auto for_ends = [&](auto f) {
+    for (const EdgeUse& use : boundary.uses)
+      for (const std::size_t k : {0, 1})
+        f(all[static_cast<std::size_t>(boundary.edges[static_cast<std::size_t>(use.edge)].vertex[k])],
+          place(part, use, static_cast<double>(k)));
+  };
+  for_ends([](VertexSpread& v, const Point3& p) { v.middle += p, ++v.ends; });
+  for (VertexSpread& v : all) v.middle /= std::max(1, v.ends);
+  for_ends([](VertexSpread& v, const Point3& p) { v.most = std::max(v.most, glm::length(p - v.middle)); });
+  return all;
+}
+
+// A free edge that is shorter than the way its vertices moved becomes a point: else it would be drawn out, and turn about.
+void join_ends_of_dwarfed_edges(const Part& part, Boundary& boundary) {
+  const std::vector<VertexSpread> spreads = vertex_spreads(part, boundary);
+  Sets vertices(spreads.size());
+  for (BoundaryEdge& edge : boundary.edges) {
+    if (edge.degenerate || edge.uses.size() != 1 || edge.vertex[0] == edge.vertex[1]) continue;
+    const EdgeUse& use = boundary.uses[static_cast<std::size_t>(edge.uses[0])];
+    const double moved = spreads[static_cast<std::size_t>(edge.vertex[0])].most + spreads[static_cast<std::size_t>(edge.vertex[1])].most;
+    if (moved > 0 && extent_of(part, use) <= moved) vertices.join(edge.vertex[0], edge.vertex[1]);
+  }
+  for (BoundaryEdge& edge : boundary.edges)
+    for (int& v : edge.vertex) v = vertices.root(v);
+}
 
 // Short edges whose ends are one vertex but do not lie together are points: gaps that a face closes with an edge of its own, or edges whose
 // neighbours were joined with edges that meet in one.
@@ -231,29 +276,37 @@ Boundary::Boundary(const Part& part, double sew) {
       loops.back().push_back(std::move(indices));
     }
   }
+  mark_points(part, *this);
   joins = join_edges(part, *this, sew);
   number_vertices(*this);
   collapse_short_edges(part, *this);
   if (joins.joined == 0) return;
   join_short_edges(part, *this);
+  join_ends_of_dwarfed_edges(part, *this);
+  collapse_short_edges(part, *this);
   compact(*this);
 }
 
-// Newton steps along the curve, clamped to [lo, hi]; downhill only.
+// Newton steps along the curve, clamped to [lo, hi]; a step that leads uphill is halved.
 double slide_share(const Face& face, const EdgeUse& use, const Point3& p, double from, double lo, double hi) {
+  constexpr int kSteps = 24;
+  constexpr double kRounding = 16 * kEps;  // of distances, as a share of the coordinates
   const double a = parameter_at(use, 0), b = parameter_at(use, 1);
   double best = from, least = kInf;
-  constexpr int kSteps = 12;
   for (int i = 0; i < kSteps; ++i) {
     const auto curve = jet(use.curve.curve, parameter_at(use, from));
     const Jet2 at = jet2(face.surface, curve.C);
     const Vec3 r = p - at.S, tangent = (at.Su * curve.Ct.x + at.Sv * curve.Ct.y) * (b - a);
     const double d = glm::length(r), speed2 = glm::dot(tangent, tangent);
-    if (!(d < least)) break;
-    best = from;
-    least = d;
-    if (!(speed2 > 0)) break;
-    const double next = std::clamp(from + glm::dot(r, tangent) / speed2, lo, hi);
+    double next = 0.5 * (from + best);
+    if (d < least) {
+      best = from;
+      least = d;
+      if (!(speed2 > 0)) break;
+      next = std::clamp(from + glm::dot(r, tangent) / speed2, lo, hi);
+    } else if (!(d - least > kRounding * glm::length(at.S))) {
+      break;
+    }
     if (std::abs(next - from) < 4 * kEps) break;
     from = next;
   }

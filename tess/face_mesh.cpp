@@ -76,7 +76,7 @@ class FaceMesher {
         const std::size_t n = edge.share.size();
         for (std::size_t i = 0; i + 1 < n; ++i) {  // each use brings all its samples but its last
           const std::size_t at = use.forward ? i : n - 1 - i, segment = use.forward ? i : n - 2 - i;
-          add_border_node(edge.point[at], edge.uv[k][at]);
+          add_border_node(edge.point[at], edge.uv[k][at], segments_.size() > first && segments_.back().degenerate);
           segments_.push_back({{use.edge, static_cast<std::uint32_t>(segment)}, edge.sliver[k][segment], degenerate});
         }
       }
@@ -99,7 +99,9 @@ class FaceMesher {
       }
   }
 
-  void add_border_node(std::uint32_t point, const UV& uv) {
+  void add_border_node(std::uint32_t point, UV uv, bool after_point) {
+    // Where an edge of no length ends its start is meant, and not beside it by rounding.
+    if (after_point && glm::length(uv - mesh_.nodes.back().uv) <= kOnCrease * shape_.face().domain.diagonal()) uv = mesh_.nodes.back().uv;
     const FaceShape::Placed at = shape_.place(uv);
     mesh_.nodes.push_back({point, uv, at.normal});
     surface_points_.push_back(at.S);

@@ -35,13 +35,34 @@ struct Pair {
   bool against;  // the faces run the same way along the edge: one of them is turned
 };
 
-BoxTree<Vec3> tree_of_ends(const std::vector<EdgePiece>& pieces) {
+// What may be joined in a round: a free edge, or one of the pieces that vertices of others cut it into, which follow it.
+struct Candidate {
+  EdgePiece piece;
+  std::size_t of = 0;  // index into free_
+  bool is_whole = true;
+  bool taken = false;
+};
+
+const EdgePiece& piece_of(const EdgePiece& piece) { return piece; }
+const EdgePiece& piece_of(const Candidate& candidate) { return candidate.piece; }
+
+template <class Pieces>
+BoxTree<Vec3> tree_of_ends(const Pieces& pieces) {
   std::vector<Box3> boxes;
-  for (const EdgePiece& piece : pieces) {
+  for (const auto& of : pieces) {
+    const EdgePiece& piece = piece_of(of);
     boxes.push_back({piece.at.front(), piece.at.front()});
     boxes.push_back({piece.at.back(), piece.at.back()});
   }
   return BoxTree<Vec3>(std::move(boxes));
+}
+
+// An order that does not depend on the order of faces and edges in the file.
+bool lies_before(const EdgePiece& a, const EdgePiece& b) {
+  for (std::size_t k = 0; k < a.at.size(); k += kTraced / 2)
+    for (int axis = 0; axis < 3; ++axis)
+      if (a.at[k][axis] != b.at[k][axis]) return a.at[k][axis] < b.at[k][axis];
+  return false;
 }
 
 class Joiner {
@@ -49,6 +70,7 @@ class Joiner {
   Joiner(const Part& part, Boundary& boundary, double sew) : part_(part), boundary_(boundary) {
     for (const BoundaryEdge& edge : boundary.edges)
       if (edge.uses.size() == 1 && !edge.degenerate) free_.push_back(trace(part, boundary.uses, edge.uses[0], 0, 1));
+    std::stable_sort(free_.begin(), free_.end(), lies_before);
     report_.free_edges = static_cast<int>(free_.size());
     report_.looked = kLooked * part.box.diagonal();
     report_.tolerance = join_tolerance(sew);
@@ -76,20 +98,18 @@ class Joiner {
   // Joins what lies within `allowed`. Splits that helped nobody are forgotten.
   void join_within(const MatchPolicy& allowed) {
     const auto cuts = find_cuts(allowed.ends);
-    std::vector<EdgePiece> pieces;
-    std::vector<std::size_t> parent;
+    std::vector<Candidate> all;
     for (std::size_t i = 0; i < free_.size(); ++i) {
       const EdgePiece& whole = free_[i];
-      if (cuts[i].empty()) pieces.push_back(whole);
+      all.push_back({whole, i, true, false});
       for (std::size_t k = 0; !cuts[i].empty() && k <= cuts[i].size(); ++k) {
         const auto share = [&](double s) { return s == 1 ? whole.b : whole.a + s * (whole.b - whole.a); };
         const double a = k == 0 ? whole.a : share(cuts[i][k - 1]), b = k == cuts[i].size() ? whole.b : share(cuts[i][k]);
-        pieces.push_back(trace(part_, boundary_.uses, whole.origin, a, b));
+        all.push_back({trace(part_, boundary_.uses, whole.origin, a, b), i, false, false});
       }
-      parent.resize(pieces.size(), i);
     }
-    const std::vector<char> taken = join_pairs(pieces, allowed);
-    keep_rest(pieces, parent, taken);
+    join_pairs(all, allowed);
+    keep_rest(all);
   }
 
   // Shares of each free piece at which the end of another one lies on it; pieces shorter than the whole tolerance are not made: ends that
@@ -127,58 +147,63 @@ class Joiner {
     cuts = std::move(kept);
   }
 
-  std::vector<char> join_pairs(const std::vector<EdgePiece>& pieces, const MatchPolicy& allowed) {
-    std::vector<Pair> pairs = find_pairs(pieces, allowed);
+  void join_pairs(std::vector<Candidate>& all, const MatchPolicy& allowed) {
+    std::vector<Pair> pairs = find_pairs(all, allowed);
     const auto key = [&](const Pair& p) {
-      return std::make_tuple(std::max(p.match.apart, kAsNear * allowed.between), p.against, p.match.apart, p.i, p.j);
+      const int cut = !all[p.i].is_whole + !all[p.j].is_whole;
+      return std::make_tuple(std::max(p.match.apart, kAsNear * allowed.between), p.against, cut, p.i, p.j);
     };
     std::sort(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) { return key(a) < key(b); });
-    std::vector<char> taken(pieces.size(), 0);
+    // An edge is taken whole or in pieces.
+    std::vector<char> whole_taken(free_.size(), 0), part_taken(free_.size(), 0);
+    const auto is_taken = [&](const Candidate& c) { return c.taken || whole_taken[c.of] || (c.is_whole && part_taken[c.of]); };
     for (Pair& pair : pairs) {
-      if (taken[pair.i] || taken[pair.j]) continue;
-      taken[pair.i] = taken[pair.j] = 1;
+      if (is_taken(all[pair.i]) || is_taken(all[pair.j])) continue;
+      for (const std::size_t k : {pair.i, pair.j}) {
+        all[k].taken = true;
+        (all[k].is_whole ? whole_taken : part_taken)[all[k].of] = 1;
+      }
       report_.widest = std::max(report_.widest, pair.match.apart);
-      joined_.push_back({pieces[pair.i], pieces[pair.j], std::move(pair.match)});
+      joined_.push_back({all[pair.i].piece, all[pair.j].piece, std::move(pair.match)});
     }
-    return taken;
   }
 
-  std::vector<Pair> find_pairs(const std::vector<EdgePiece>& pieces, const MatchPolicy& allowed) const {
+  std::vector<Pair> find_pairs(const std::vector<Candidate>& all, const MatchPolicy& allowed) const {
     std::vector<Pair> pairs;
-    const BoxTree<Vec3> ends = tree_of_ends(pieces);
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      const EdgePiece& piece = pieces[i];
+    const BoxTree<Vec3> ends = tree_of_ends(all);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const EdgePiece& piece = all[i].piece;
       std::vector<std::size_t> near;
       ends.for_each_touching(Box3{piece.at.front(), piece.at.front()}.inflated(2 * allowed.ends),
                              [&](std::uint32_t e) { near.push_back(e / 2); });
       std::sort(near.begin(), near.end());
       near.erase(std::unique(near.begin(), near.end()), near.end());
       for (std::size_t j : near) {
-        if (j <= i || !may_join(piece, pieces[j])) continue;
-        auto found = match(piece, pieces[j], allowed);
+        const EdgePiece& other = all[j].piece;
+        if (j <= i || !may_join(piece, other) || (all[i].of == all[j].of && all[i].is_whole)) continue;
+        auto found = match(piece, other, allowed);
         if (!found || (found->apart > 2 * allowed.ends && found->apart > kLyingShare * piece.length())) continue;
         const auto runs = [](const EdgePiece& p) { return p.use.forward != p.face->reversed; };
-        const bool against = runs(piece) == (runs(pieces[j]) != found->reversed);
+        const bool against = runs(piece) == (runs(other) != found->reversed);
         pairs.push_back({i, j, std::move(*found), against});
       }
     }
     return pairs;
   }
 
-  // What is left free: neighbours that were one piece before are one again.
-  void keep_rest(const std::vector<EdgePiece>& pieces, const std::vector<std::size_t>& parent, const std::vector<char>& taken) {
+  // What is left free: edges of which no piece was joined are whole, and neighbours of the others are one.
+  void keep_rest(const std::vector<Candidate>& all) {
     std::vector<EdgePiece> rest;
-    for (std::size_t i = 0; i < pieces.size();) {
-      std::size_t end = i + 1;
-      if (!taken[i]) {
-        while (end < pieces.size() && parent[end] == parent[i] && !taken[end]) ++end;
-        const EdgePiece& whole = free_[parent[i]];
-        if (end == i + 1)
-          rest.push_back(pieces[i]);
-        else if (pieces[i].a == whole.a && pieces[end - 1].b == whole.b)
-          rest.push_back(whole);
-        else
-          rest.push_back(trace(part_, boundary_.uses, whole.origin, pieces[i].a, pieces[end - 1].b));
+    for (std::size_t i = 0; i < all.size();) {
+      const EdgePiece& whole = all[i].piece;
+      std::size_t end = i + 1, taken = all[i].taken;
+      for (; end < all.size() && all[end].of == all[i].of; ++end) taken += all[end].taken;
+      if (taken == 0) rest.push_back(whole);
+      for (std::size_t k = i + 1; taken > 0 && !all[i].taken && k < end; ++k) {
+        if (all[k].taken) continue;
+        const std::size_t first = k;
+        while (k + 1 < end && !all[k + 1].taken) ++k;
+        rest.push_back(first == k ? all[k].piece : trace(part_, boundary_.uses, whole.origin, all[first].piece.a, all[k].piece.b));
       }
       i = end;
     }
@@ -228,18 +253,22 @@ class Joiner {
       for (auto& loop : of_face) replace(loop, pieces_of);
   }
 
-  // Makes a piece the use of that number, on an edge of its own or on its partner's; the first of two comes first here too.
+  // Makes a piece the use of that number, on an edge of its own or on its partner's; the first of the two is the edge's first use.
   void place_use(const Fate& fate, int use, int part_edge, std::vector<BoundaryEdge>& edges, std::vector<int>& edge_of_joined) {
     EdgeUse placed = fate.piece->use;
-    const bool has_edge = fate.joined >= 0 && edge_of_joined[static_cast<std::size_t>(fate.joined)] >= 0;
-    placed.edge = has_edge ? edge_of_joined[static_cast<std::size_t>(fate.joined)] : static_cast<int>(edges.size());
-    if (!has_edge) edges.push_back({{}, {}, part_edge, false});
-    if (fate.joined < 0) edge_of_open_[static_cast<std::size_t>(fate.piece - free_.data())] = placed.edge;
-    if (fate.joined >= 0) {
-      edge_of_joined[static_cast<std::size_t>(fate.joined)] = placed.edge;
-      if (has_edge) follow(joined_[static_cast<std::size_t>(fate.joined)].match, placed);
+    const Joined* pair = fate.joined < 0 ? nullptr : &joined_[static_cast<std::size_t>(fate.joined)];
+    int own = -1;
+    int& edge = pair ? edge_of_joined[static_cast<std::size_t>(fate.joined)] : own;
+    if (edge < 0) {
+      edge = static_cast<int>(edges.size());
+      edges.push_back({{}, {}, part_edge, false});
     }
-    edges[static_cast<std::size_t>(placed.edge)].uses.push_back(use);
+    if (!pair) edge_of_open_[static_cast<std::size_t>(fate.piece - free_.data())] = edge;
+    const bool is_second = pair && fate.piece == &pair->second;
+    if (is_second) follow(pair->match, placed);
+    placed.edge = edge;
+    auto& uses = edges[static_cast<std::size_t>(edge)].uses;
+    uses.insert(is_second ? uses.end() : uses.begin(), use);
     boundary_.uses[static_cast<std::size_t>(use)] = std::move(placed);
   }
 
@@ -273,7 +302,8 @@ class Joiner {
     for (const EdgePiece& piece : free_) boxes.push_back(piece.box);
     const BoxTree<Vec3> tree(std::move(boxes));
     for (std::size_t i = 0; i < free_.size(); ++i) report_.open.push_back(open_border(i, tree));
-    std::stable_sort(report_.open.begin(), report_.open.end(), [](const OpenBorder& a, const OpenBorder& b) { return a.face < b.face; });
+    std::stable_sort(report_.open.begin(), report_.open.end(),
+                     [](const OpenBorder& a, const OpenBorder& b) { return std::tie(a.face, a.edge) < std::tie(b.face, b.edge); });
     return std::move(report_);
   }
 

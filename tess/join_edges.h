@@ -26,13 +26,13 @@ struct OpenBorder {
 };
 
 struct JoinReport {
-  int free_edges = 0;            // used once, points left out, before joining
-  int joined = 0;                // pairs of edges, or pieces of them, that became one
-  int split = 0;                 // places where edges were split, for a vertex of others lies there
-  int collapsed = 0;             // edges shorter than the tolerance that became points, for their ends are one vertex of their neighbours
-  double tolerance = 0;          // world units: the largest used
-  double widest = 0;             // largest distance between curves that were joined
-  double looked = 0;             // how far from open borders others were looked for
+  int free_edges = 0;    // used once, points left out, before joining
+  int joined = 0;        // pairs of edges, or pieces of them, that became one
+  int split = 0;         // places where edges were split, for a vertex of others lies there
+  int collapsed = 0;     // edges shorter than the tolerance that became points: their ends are one vertex, or move farther than that
+  double tolerance = 0;  // world units: the largest used
+  double widest = 0;     // largest distance between curves that were joined
+  double looked = 0;     // how far from open borders others were looked for
   std::vector<OpenBorder> open;  // in the order of faces
 };
 
@@ -40,9 +40,10 @@ struct JoinReport {
 // all places between lie within the tolerance of each other: the largest that the file states for any free edge (never less than
 // kSameBorder, never more than kMostStated, of the part's size), or `sew` if that is more; negative: nothing is joined. The distance
 // allowed grows in rounds up to the tolerance, so that what lies near is joined before what lies far, and of several an edge takes the
-// nearest; each takes one partner only (where the file does not share it, a third sheet stays open), and none of another solid. An end of
-// one edge within the tolerance of the interior of another splits it, where that helps. Last, edges with the same ends may be farther apart
-// between them, by 1e-4 of the part's size and 1e-3 of their length: hammer.iges has ends that agree within 2e-10, and 4.5e-5 between.
+// nearest, of equally near ones one that runs against it, of those one that needs no split; each takes one partner only (where the file
+// does not share it, a third sheet stays open), and none of another solid. An end of one edge within the tolerance of the interior of
+// another splits it, where that helps. Last, edges with the same ends may be farther apart between them, by 1e-4 of the part's size and
+// 1e-3 of their length: hammer.iges has ends that agree within 2e-10, and 4.5e-5 between. The order of faces and edges does not matter.
 // Deterministic; about n log n in the number of free edges.
 //
 // Why not each edge's own tolerance: readers state it of an edge's curves on its own face. With each edge's own, 30 of 208 edges of

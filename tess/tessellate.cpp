@@ -201,7 +201,7 @@ class PartMesher {
       const auto& points = net_->edge(static_cast<int>(e)).point;
       for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const std::uint32_t a = number[points[i]], b = number[points[i + 1]];
-        sides.push_back({std::min(a, b), std::max(a, b)});
+        if (a != b) sides.push_back({std::min(a, b), std::max(a, b)});
       }
     }
     std::sort(sides.begin(), sides.end());

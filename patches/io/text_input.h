@@ -1,4 +1,4 @@
-// Plain text files of words and numbers, read with their line numbers: common ground of the .bpt and OBJ readers.
+// Plain text files of words and numbers, read with their line numbers: common ground of the readers of .bpt, OBJ, and of meshes in text.
 //
 // The readers throw an `Error` from the depth of their parsing and turn it into a `Result` at their one entrance; it never
 // leaves the file it was thrown in.
@@ -67,11 +67,14 @@ struct TextLine {
   std::vector<std::string_view> words;
 };
 
-// Hands out the lines of a text that hold something: comments (from a '#' that starts a word) and empty lines are passed over; a
-// backslash at the end of a line joins the next one to it.
+enum class LineEnd { backslash_joins, always_ends };  // what a backslash at the end of a line does
+
+// Hands out the lines of a text that hold something: comments (from a '#' that starts a word) and empty lines are passed over.
 class TextLines {
  public:
-  explicit TextLines(std::string_view text) : rest_(text) {}
+  // `lines_before`: of the file, that are not in `text`.
+  explicit TextLines(std::string_view text, LineEnd end = LineEnd::backslash_joins, int lines_before = 0)
+      : rest_(text), line_end_(end), number_(lines_before) {}
 
   // False at the end of the text.
   bool next(TextLine& line) {
@@ -83,7 +86,7 @@ class TextLines {
       rest_ = end == rest_.npos ? std::string_view{} : rest_.substr(end + 1);
       ++number_;
       if (!joined) line.number = number_;
-      joined = split(physical, line.words);
+      joined = split(physical, line_end_, line.words);
       if (!joined && !line.words.empty()) return true;
     }
     return !line.words.empty();
@@ -93,25 +96,29 @@ class TextLines {
   int number() const { return std::max(number_, 1); }
 
  private:
+  static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
   // Appends the words of a physical line; true if the line goes on.
-  static bool split(std::string_view physical, std::vector<std::string_view>& words) {
-    constexpr std::string_view kSpace = " \t\r\v\f";
-    for (;;) {
-      const std::size_t begin = physical.find_first_not_of(kSpace);
-      if (begin == physical.npos || physical[begin] == '#') return false;
-      physical.remove_prefix(begin);
-      const std::size_t end = std::min(physical.find_first_of(kSpace), physical.size());
-      std::string_view word = physical.substr(0, end);
-      physical.remove_prefix(end);
-      const bool goes_on = word.back() == '\\' && physical.find_first_not_of(kSpace) == physical.npos;
+  static bool split(std::string_view physical, LineEnd line_end, std::vector<std::string_view>& words) {
+    const auto past = [&](std::size_t at, bool space) {
+      while (at < physical.size() && is_space(physical[at]) == space) ++at;
+      return at;
+    };
+    for (std::size_t begin = past(0, true); begin < physical.size() && physical[begin] != '#';) {
+      const std::size_t end = past(begin, false), next = past(end, true);
+      std::string_view word = physical.substr(begin, end - begin);
+      const bool goes_on = line_end == LineEnd::backslash_joins && word.back() == '\\' && next == physical.size();
       if (goes_on) word.remove_suffix(1);
       if (!word.empty()) words.push_back(word);
       if (goes_on) return true;
+      begin = next;
     }
+    return false;
   }
 
   std::string_view rest_;
-  int number_ = 0;
+  LineEnd line_end_;
+  int number_;
 };
 
 // Throws the error of a place in the file.

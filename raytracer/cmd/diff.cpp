@@ -31,6 +31,8 @@ struct Measured {
 
 bool is_exr(const std::string& path) { return path.ends_with(".exr") || path.ends_with(".EXR"); }
 
+std::string counted(std::uint64_t pixels) { return fmt::format("{} {}", pixels, pixels == 1 ? "pixel" : "pixels"); }
+
 std::string extent(const Image& image) {
   return fmt::format("{} x {} pixels, channels {}", image.width, image.height, image.has_alpha ? "R G B A" : "R G B");
 }
@@ -45,12 +47,12 @@ Measured measure(const Options& options, const Image& a, const Image& b) {
 
 std::string to_text(const Options& options, const Measured& m) {
   const ImageDifference& d = m.difference;
-  const auto percent = [&](std::uint64_t pixels) { return fmt::format("{} pixels ({:.3g} %)", pixels, 100 * double(pixels) / m.pixels()); };
+  const auto percent = [&](std::uint64_t n) { return fmt::format("{} ({:.3g} %)", counted(n), 100 * double(n) / m.pixels()); };
   const auto flip = [](const FlipMap& f) {
     return fmt::format("mean {:.4g}, max {:.4g} at ({}, {})", f.mean, f.max, f.worst.x, f.worst.y);
   };
   std::string text = d.differ == 0 ? fmt::format("equal: {} x {} pixels\n", m.width, m.height)
-                                   : fmt::format("max {:.4g} at ({}, {}), mean {:.4g}, RMSE {:.4g}, PSNR {:.2f} dB; {} differ\n", d.max,
+                                   : fmt::format("max {:.4g} at ({}, {}), mean {:.4g}, RMSE {:.4g}, PSNR {:.2f} dB; not equal: {}\n", d.max,
                                                  d.worst.x, d.worst.y, d.mean, d.rmse, d.psnr, percent(d.differ));
   text += fmt::format("FLIP {}\n", flip(m.ldr));
   if (m.hdr) text += fmt::format("HDR-FLIP {}\n", flip(*m.hdr));
@@ -82,12 +84,12 @@ std::vector<std::string> broken_limits(const Options& options, const Measured& m
   if (found > allowed)
     broken.push_back(fmt::format("{:.3g} % of the pixels differ by more than {:g}; {:g} % may", found, *options.soft, allowed));
   if (m.over_hard.value_or(0) > 0)
-    broken.push_back(fmt::format("{} pixels differ by more than {:g}, the worst, ({}, {}), by {:.4g}", *m.over_hard, *options.hard,
+    broken.push_back(fmt::format("over {:g}: {}, the worst, ({}, {}), by {:.4g}", *options.hard, counted(*m.over_hard),
                                  m.difference.worst.x, m.difference.worst.y, m.difference.max));
   const double mean = std::max(m.ldr.mean, m.hdr ? m.hdr->mean : 0);
   if (options.flip && mean > *options.flip) broken.push_back(fmt::format("mean FLIP is {:.4g}; {:g} is allowed", mean, *options.flip));
   if (!options.soft && !options.hard && !options.flip && m.difference.differ > 0)
-    broken.push_back(fmt::format("{} pixels differ", m.difference.differ));
+    broken.push_back(fmt::format("not equal in {}", counted(m.difference.differ)));
   return broken;
 }
 

@@ -28,7 +28,6 @@ bool has_exr_name(const std::string& path) { return path.starts_with("/dev/") ||
 
 // What can be said against the request before anything is read or rendered.
 Status check_request(const RenderOptions& options) {
-  if (const auto mesh = mesh_request(options); !mesh) return mesh.error();
   if (!has_exr_name(options.output))
     return Error{Exit::bad_command_line,
                  options.output,
@@ -70,11 +69,6 @@ void report(const RenderOptions& options, const SceneEntry& scene, const RenderR
   if (options.stats) fmt::print(stderr, "{}", full_statistics(tracer.build_stats(), result.stats));
 }
 
-Integrator integrator_for(const SceneEntry& scene, const Tracer& tracer, const Camera& camera, const Sampler& sampler) {
-  if (scene.shade == Shade::clay) return clay(tracer, lights_for(scene.lights, camera), sampler);
-  return inspection(tracer, scene.shade, {-camera.back, camera.position, depth_range(camera, tracer.scene().box())});
-}
-
 Exit render_scene(const RenderOptions& options, const SceneEntry& scene, LoadedModels& loaded, const MeshFigures* mesh,
                   const RenderSettings& settings, int threads) {
   const Tracer tracer(std::move(loaded.scene));
@@ -94,7 +88,7 @@ Exit render_scene(const RenderOptions& options, const SceneEntry& scene, LoadedM
   ImageInfo info = info_for(scene, loaded, camera, tracer);
   info.complete = result.complete();
   if (mesh) info.mode = "tessellated";
-  if (mesh) info.comments = mesh_comment(*mesh, **mesh_request(options));
+  if (mesh) info.comments = mesh_comment(*mesh, *scene.mesh);
   const auto bytes = encode_exr(result.film, info, threads);
   if (!bytes) return fail(bytes.error());
   if (const auto written = write_whole_file(options.output, *bytes); !written) return fail(written.error());
@@ -121,11 +115,12 @@ Exit render_command(const RenderOptions& options) {
     for (const std::string& note : loaded->notes) fmt::print(stderr, "isophote: {}\n", note);
 
   const RenderSettings settings{scene->size, scene->samples, scene->seed, *aovs, scene->background.value_or(Background{})};
-  const auto request = mesh_request(options);
-  if (!*request) return render_scene(options, *scene, *loaded, nullptr, settings, threads);
+  if (!scene->mesh) return render_scene(options, *scene, *loaded, nullptr, settings, threads);
   Progress progress(options.quiet ? "none" : options.progress, "steps");
-  const auto mesh = tessellate_scene(*loaded, **request, [&](int done, int all) { progress.update(done, all); });
+  const auto mesh = tessellate_scene(*loaded, *scene->mesh, [&](int done, int all) { progress.update(done, all); });
   progress.finish();
+  if (!mesh && scene->mesh->tolerance_name != MeshRequest{}.tolerance_name)
+    return fail({Exit::bad_input, options.input, {}, mesh.error().message});
   if (!mesh) return fail(mesh.error());
   return render_scene(options, *scene, *loaded, &*mesh, settings, threads);
 }

@@ -51,6 +51,30 @@ Status apply_camera_options(const RenderOptions& options, CameraEntry& camera) {
   return Done{};
 }
 
+// What the scene asks for is replaced by what is given.
+Status apply_mesh_options(const RenderOptions& options, std::optional<MeshRequest>& mesh) {
+  if (options.mode == "direct") mesh.reset();
+  if (options.mode == "tessellated" && !mesh) mesh.emplace();
+  if (!mesh) {
+    const char* given = options.tolerance ? "--tolerance" : options.flat ? "--flat" : options.terminator_fix ? "--terminator-fix" : nullptr;
+    if (given) return bad_option(fmt::format("{} needs --mode tessellated: 'direct' makes no triangles", given));
+    return Done{};
+  }
+  if (options.flat && options.terminator_fix)
+    return bad_option("--terminator-fix has no meaning with --flat, whose triangles are lit by their own normals");
+  if (options.tolerance) {
+    const auto tolerance = tolerance_named(*options.tolerance);
+    if (!tolerance) return tolerance.error();
+    mesh->tolerance = *tolerance;
+    mesh->tolerance_name = "--tolerance";
+  }
+  if (options.flat || options.terminator_fix) {
+    mesh->shading = options.flat ? MeshShading::flat : MeshShading::smooth;
+    mesh->terminator = options.flat ? Terminator::faceted : Terminator::softened;
+  }
+  return Done{};
+}
+
 }  // namespace
 
 std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command) {
@@ -67,7 +91,9 @@ std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command) {
   command.add_option("--fov", options->fov, "vertical field of view in degrees [28]")->check(CLI::Range(kMinFov, kMaxFov));
   command.add_option("--background", options->background, "transparent, sky or #rrggbb [sky for a model, transparent for a scene]");
   command.add_option("--aov", options->aovs, "data layers: all, none, or a list of N P Z uv id with commas [all]");
-  command.add_option("--mode", options->mode, "direct (exact surfaces) or tessellated (triangles, with their distance told) [direct]")
+  command
+      .add_option("--mode", options->mode,
+                  "direct (exact surfaces) or tessellated (triangles, with their distance told) [direct, or as the scene]")
       ->check(CLI::IsMember({"direct", "tessellated"}));
   command.add_option("--tolerance", options->tolerance,
                      "tessellated: allowed distance, 1e-4d (diagonals), 0.05mm, or in units of the model [1e-4d]");
@@ -95,6 +121,7 @@ Result<SceneEntry> scene_for(const RenderOptions& options) {
   }
 
   if (const auto applied = apply_camera_options(options, scene.camera); !applied) return applied.error();
+  if (const auto applied = apply_mesh_options(options, scene.mesh); !applied) return applied.error();
   if (options.size) {
     const auto size = size_named(*options.size);
     if (!size)
@@ -111,25 +138,6 @@ Result<SceneEntry> scene_for(const RenderOptions& options) {
   if (options.samples) scene.samples = *options.samples;
   if (options.seed) scene.seed = *options.seed;
   return scene;
-}
-
-Result<std::optional<MeshRequest>> mesh_request(const RenderOptions& options) {
-  if (options.mode == "direct") {
-    const char* given = options.tolerance ? "--tolerance" : options.flat ? "--flat" : options.terminator_fix ? "--terminator-fix" : nullptr;
-    if (given) return bad_option(fmt::format("{} needs --mode tessellated: 'direct' makes no triangles", given));
-    return std::optional<MeshRequest>{};
-  }
-  if (options.flat && options.terminator_fix)
-    return bad_option("--terminator-fix has no meaning with --flat, whose triangles are lit by their own normals");
-  MeshRequest request;
-  if (options.tolerance) {
-    const auto tolerance = tolerance_named(*options.tolerance);
-    if (!tolerance) return tolerance.error();
-    request.tolerance = *tolerance;
-  }
-  if (options.flat) request.shading = MeshShading::flat;
-  if (options.terminator_fix) request.terminator = Terminator::softened;
-  return std::optional(request);
 }
 
 Result<unsigned> aovs_named(const std::string& text) {

@@ -6,9 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "raytracer/cmd/tolerance.h"
 #include "raytracer/scene_file.h"
-#include "raytracer/trace_scene.h"
 
 namespace iso {
 
@@ -19,8 +17,8 @@ struct RenderOptions {
   std::optional<std::uint64_t> seed;
   std::optional<double> fov;
   bool orthographic = false;
-  std::string aovs = "all", progress = "auto", mode = "direct";
-  std::optional<std::string> tolerance;
+  std::string aovs = "all", progress = "auto";
+  std::optional<std::string> mode, tolerance;
   bool flat = false, terminator_fix = false;
   int threads = 0;  // 0: all
   bool quiet = false, stats = false;
@@ -28,18 +26,9 @@ struct RenderOptions {
 
 std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command);
 
-// The scene to render: read from a scene file, or made around a bare model; options applied.
+// The scene to render: read from a scene file, or made around a bare model; options applied. Without triangles, --tolerance, --flat and
+// --terminator-fix are refused.
 Result<SceneEntry> scene_for(const RenderOptions& options);
-
-// What `--mode tessellated` asks for.
-struct MeshRequest {
-  Tolerance tolerance{1e-4, ToleranceUnit::diagonal};
-  MeshShading shading = MeshShading::smooth;
-  Terminator terminator = Terminator::faceted;
-};
-
-// Nothing for `--mode direct`, with which --tolerance, --flat and --terminator-fix are refused.
-Result<std::optional<MeshRequest>> mesh_request(const RenderOptions& options);
 
 // The set of layers in "all", "none" or a list like "N,P,Z,uv,id".
 Result<unsigned> aovs_named(const std::string& text);

@@ -10,7 +10,7 @@ namespace iso {
 
 Result<MeshFigures> tessellate_scene(LoadedModels& loaded, const MeshRequest& request, const std::function<void(int, int)>& progress) {
   MeshSettings settings;
-  const auto distance = in_units(request.tolerance, loaded.scene.box().diagonal(), loaded.unit);
+  const auto distance = in_units(request.tolerance, loaded.scene.box().diagonal(), loaded.unit, request.tolerance_name);
   if (!distance) return distance.error();
   settings.distance = *distance;
 

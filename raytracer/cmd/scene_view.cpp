@@ -22,4 +22,9 @@ Lights lights_for(const LightsEntry& entry, const Camera& camera) {
   return lights;
 }
 
+Integrator integrator_for(const SceneEntry& scene, const Tracer& tracer, const Camera& camera, const Sampler& sampler) {
+  if (scene.shade == Shade::clay) return clay(tracer, lights_for(scene.lights, camera), sampler);
+  return inspection(tracer, scene.shade, {-camera.back, camera.position, depth_range(camera, tracer.scene().box())});
+}
+
 }  // namespace iso

@@ -13,4 +13,7 @@ Camera camera_for(const CameraEntry& entry, const Tracer& tracer, const ImageSiz
 // Those that are not given go with the camera.
 Lights lights_for(const LightsEntry& entry, const Camera& camera);
 
+// What makes the scene's colours. The arguments have to live as long as it does.
+Integrator integrator_for(const SceneEntry& scene, const Tracer& tracer, const Camera& camera, const Sampler& sampler);
+
 }  // namespace iso

@@ -7,7 +7,7 @@
 
 #include "patches/files/output_file.h"
 #include "patches/io/write_mesh.h"
-#include "raytracer/cmd/tolerance.h"
+#include "raytracer/tolerance.h"
 
 namespace iso {
 namespace {

@@ -179,10 +179,11 @@ TEST_F(BadInput, SceneFiles) {
   refused("array.json", "[]", "");
   refused("deep.json", std::string(100000, '['), "");
   refused("size.json", "{" + models + R"(, "image": {"width": 1e9}})", "");
+  refused("fine.json", "{" + models + R"(, "mesh": {"tolerance": "1e-30d"}})", "mesh.tolerance: found");
   const std::string scene = write("gone.json", R"({"models": [{"file": "gone.step"}]})");
   refused_by_render(scene, Exit::read_write, path("gone.step"), "no such file");
   refused_by_render(path("missing.json"), Exit::read_write, path("missing.json"), "");
-  expect_checked(8);
+  expect_checked(9);
 }
 
 TEST_F(BadInput, CommandLines) {

@@ -72,7 +72,7 @@ TEST_F(DiffCommand, EqualPicturesEndWithZeroAndOneOtherPixelWithOne) {
   const ChildResult other = diff({a, b});
   EXPECT_EQ(other.code, 1) << other.summary();
   EXPECT_EQ(other.error_lines(), 1) << other.err;
-  EXPECT_NE(other.err.find("b.exr: 1 pixels differ"), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("b.exr: not equal in 1 pixel\n"), std::string::npos) << other.err;
   EXPECT_NEAR(number_after(other.out, "max"), 0.5, kHalf);
   EXPECT_NE(other.out.find("at (7, 5)"), std::string::npos) << other.out;
 }
@@ -104,11 +104,11 @@ TEST_F(DiffCommand, LimitsAreKeptOrToldWithExitCodeOne) {
     const char* told;
   } cases[] = {
       {{"--hard", "0.51"}, 0, ""},
-      {{"--hard", "0.49"}, 1, "1 pixels differ by more than 0.49, the worst, (7, 5), by 0."},
+      {{"--hard", "0.49"}, 1, "over 0.49: 1 pixel, the worst, (7, 5), by 0."},
       {{"--soft", "0.1"}, 1, "0.0651 % of the pixels differ by more than 0.1; 0 % may"},
       {{"--soft", "0.1", "--percent", "0.07"}, 0, ""},
       {{"--soft", "0.1", "--percent", "0.06"}, 1, "0.06 % may"},
-      {{"--soft", "0.1", "--percent", "0.07", "--hard", "0.2"}, 1, "more than 0.2"},
+      {{"--soft", "0.1", "--percent", "0.07", "--hard", "0.2"}, 1, "over 0.2: 1 pixel"},
       {{"--flip", "0.5"}, 0, ""},
       {{"--flip", "0.00001"}, 1, "1e-05 is allowed"},
   };

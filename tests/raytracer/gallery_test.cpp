@@ -92,7 +92,7 @@ TEST(Gallery, EverySceneRendersAndItsModelsFillAFairShareOfThePicture) {
     ASSERT_TRUE(fs::exists(picture));
     EXPECT_LT(fs::file_size(picture), 200'000u);
   }
-  EXPECT_GE(scenes, 11);
+  EXPECT_GE(scenes, 12);
 }
 
 TEST(Readme, EveryCommandLineWorksAsWritten) {

@@ -18,6 +18,7 @@ std::string refusal(const std::string& text) {
 }
 
 std::string with_camera(const std::string& camera) { return R"({"models": [{"file": "a.step"}], "camera": )" + camera + "}"; }
+std::string with_mesh(const std::string& mesh) { return R"({"models": [{"file": "a.step"}], "mesh": )" + mesh + "}"; }
 std::string with_transform(const std::string& transform) { return R"({"models": [{"file": "a.step", "transform": )" + transform + "}]}"; }
 
 TEST(SceneFile, SchemaAndReaderKnowTheSameKeys) {
@@ -57,11 +58,34 @@ TEST(SceneFile, RefusalsNamePlaceAndExpectation) {
        "scenes/test.json:models[0].transform[1]: found 7, expected an object with translate, rotate, scale or matrix"},
       {with_transform(R"({"matrix": [1,0,0,0, 1,0,0,0, 0,0,1,0, 0,0,0,1]})"),
        "scenes/test.json:models[0].transform: the transform is singular: it flattens the model"},
+      {with_mesh(R"({"tolerance": "1parsec"})"),
+       "scenes/test.json:mesh.tolerance: found \"1parsec\", expected a length such as \"0.05mm\", diagonals such as \"1e-4d\", or units of "
+       "the models"},
+      {with_mesh(R"({"tolerance": 0.1})"), "scenes/test.json:mesh.tolerance: found 0.1, expected a text"},
+      {with_mesh(R"({"flat": 1})"), "scenes/test.json:mesh.flat: found 1, expected true or false"},
+      {with_mesh(R"({"flta": true})"), "scenes/test.json:mesh.flta: unknown key 'flta'; did you mean 'flat'?"},
+      {with_mesh(R"({"flat": true, "terminator_fix": true})"),
+       "scenes/test.json:mesh: 'terminator_fix' has no meaning with 'flat', whose triangles are lit by their own normals"},
+      {with_mesh("7"), "scenes/test.json:mesh: found 7, expected an object with tolerance, flat or terminator_fix"},
       {R"({"models": [], "models": []})", "scenes/test.json: the key 'models' occurs twice in one object"},
       {R"({"models": []})", "scenes/test.json:models: found a list of 0, expected at least one model"},
       {"{}", "scenes/test.json: the key 'models' is missing"},
   };
   for (const auto& c : kCases) EXPECT_EQ(refusal(c.text), c.message) << c.text;
+}
+
+TEST(SceneFile, AMeshIsMadeOnlyWhereItIsAskedFor) {
+  EXPECT_FALSE(scene_from_text(R"({"models": [{"file": "a.step"}]})", kFile)->mesh);
+  const auto plain = scene_from_text(with_mesh("{}"), kFile),
+             told = scene_from_text(with_mesh(R"({"tolerance": "0.5 mm", "flat": true})"), kFile);
+  ASSERT_TRUE(plain && plain->mesh && told && told->mesh);
+  EXPECT_EQ(plain->mesh->tolerance.value, 1e-4);
+  EXPECT_EQ(plain->mesh->tolerance.unit, ToleranceUnit::diagonal);
+  EXPECT_EQ(plain->mesh->shading, MeshShading::smooth);
+  EXPECT_EQ(told->mesh->tolerance.value, 0.5);
+  EXPECT_EQ(told->mesh->tolerance.unit, ToleranceUnit::millimetre);
+  EXPECT_EQ(told->mesh->shading, MeshShading::flat);
+  EXPECT_EQ(told->mesh->terminator, Terminator::faceted);
 }
 
 TEST(SceneFile, SyntaxErrorsGiveLineAndColumn) {

@@ -1,5 +1,5 @@
 // The text of --tolerance and what it means in units of a model.
-#include "raytracer/cmd/tolerance.h"
+#include "raytracer/tolerance.h"
 
 #include <gtest/gtest.h>
 

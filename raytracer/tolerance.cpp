@@ -1,4 +1,4 @@
-#include "raytracer/cmd/tolerance.h"
+#include "raytracer/tolerance.h"
 
 #include <fmt/format.h>
 
