@@ -17,6 +17,8 @@ void add_hit_command(CLI::App& app, Exit& exit);
 void add_info_command(CLI::App& app, Exit& exit);
 void add_display_command(CLI::App& app, Exit& exit);
 void add_tessellate_command(CLI::App& app, Exit& exit);
+// `words`: the command line after the command, for the report.
+void add_compare_command(CLI::App& app, Exit& exit, const std::vector<std::string>& words);
 void add_diff_command(CLI::App& app, Exit& exit);
 
 // Says the error on stderr, one line, and gives its exit code.

@@ -53,7 +53,8 @@ Integrator painted_field(const Tracer& tracer, const SurfaceField& field) {
     for (std::size_t i = 0; i < batch.hits.size(); ++i) {
       const Hit& hit = batch.hits[i];
       if (!hit) continue;
-      const double value = field(tracer.surface_point(hit).p, hit.placed, hit.face);
+      const SurfacePoint at = tracer.surface_point(hit);
+      const double value = field(at.p, at.n, hit.placed, hit.face);
       out[i] = finite(value) ? glm::vec4(static_cast<float>(value), 1.0f, 0.0f, 1.0f) : glm::vec4(0.0f, 0.0f, 0.0f, 1.0f);
     }
   };

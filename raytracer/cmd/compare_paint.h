@@ -7,8 +7,9 @@
 
 namespace iso {
 
-// A number for a point of an exact face, in world coordinates; NaN: not known. Called from many threads at once.
-using SurfaceField = std::function<double(const Point3& point, std::int32_t placed, std::int32_t face)>;
+// A number for a point of an exact face and its outward normal there, in world coordinates; NaN: not known. Called from many threads at
+// once.
+using SurfaceField = std::function<double(const Point3& point, const Vec3& normal, std::int32_t placed, std::int32_t face)>;
 
 // Paints the field at exact hits, evaluated in double: red holds the number, green 1 where it is known. The film's values are sums over
 // samples, so that `field_values` gives means.

@@ -129,7 +129,7 @@ Status write_golden(const GoldenPlace& place, const Golden& golden) {
 
 // Renders with the golden's size, samples and seeds.
 Status make_pictures(const GoldenPlace& place, Golden& golden) {
-  std::vector<PictureSettings> wanted;
+  std::vector<GoldenPicture> wanted;
   for (int k = 0; k < golden.seeds; ++k) wanted.push_back({golden.size, golden.samples, golden.seed + static_cast<std::uint64_t>(k)});
   auto pictures = render_scene_pictures(place.scene_file, wanted);
   if (!pictures) return pictures.error();
@@ -219,14 +219,14 @@ Result<Golden> read_golden(const GoldenPlace& place) {
   return golden;
 }
 
-Result<std::vector<Image>> render_scene_pictures(const std::string& scene_file, const std::vector<PictureSettings>& wanted) {
+Result<std::vector<Image>> render_scene_pictures(const std::string& scene_file, const std::vector<GoldenPicture>& wanted) {
   const auto scene = read_scene(scene_file);
   if (!scene) return scene.error();
   auto loaded = load_models(scene->models, scene->hash_text);
   if (!loaded) return loaded.error();
   const Tracer tracer(std::move(loaded->scene));
   std::vector<Image> pictures;
-  for (const PictureSettings& w : wanted) {
+  for (const GoldenPicture& w : wanted) {
     const Camera camera = camera_for(scene->camera, tracer, w.size);
     const Sampler sampler(w.seed, w.samples);
     const RenderSettings settings{w.size, w.samples, w.seed, kAovNone, scene->background.value_or(Background{})};

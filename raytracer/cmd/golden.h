@@ -44,12 +44,12 @@ struct Golden {
 Result<Golden> read_golden(const GoldenPlace& place);
 
 // The scene's picture, its colour only, with a size and samples that are not the scene's. One reading for any number of pictures.
-struct PictureSettings {
+struct GoldenPicture {
   ImageSize size;
   int samples = 16;
   std::uint64_t seed = 0;
 };
-Result<std::vector<Image>> render_scene_pictures(const std::string& scene_file, const std::vector<PictureSettings>& wanted);
+Result<std::vector<Image>> render_scene_pictures(const std::string& scene_file, const std::vector<GoldenPicture>& wanted);
 
 struct GoldenVerdict {
   double worst_value = 0;           // exact: of the absolute differences; noise: of z

@@ -45,10 +45,8 @@ namespace {
 struct PlannedCommand {
   const char *name, *does;
 };
-constexpr PlannedCommand kPlanned[] = {{"compare", "direct against tessellated, or against a given mesh"},
-                                       {"convert", "B-rep to a globally smooth spline"},
-                                       {"vectorise", "raster image to a vector image"},
-                                       {"preview", "interactive window"}};
+constexpr PlannedCommand kPlanned[] = {
+    {"convert", "B-rep to a globally smooth spline"}, {"vectorise", "raster image to a vector image"}, {"preview", "interactive window"}};
 
 void add_planned_commands(CLI::App& app, Exit& exit) {
   for (const PlannedCommand& planned : kPlanned) {
@@ -91,6 +89,7 @@ Exit run(int argc, char** argv) {
   add_info_command(app, exit);
   add_display_command(app, exit);
   add_tessellate_command(app, exit);
+  add_compare_command(app, exit, {argv + std::min(argc, 2), argv + argc});
   add_diff_command(app, exit);
   add_planned_commands(app, exit);
   if (argc > 1 && argv[1][0] != '-')

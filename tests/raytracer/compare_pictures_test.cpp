@@ -109,14 +109,14 @@ TEST(ComparePictures, FieldsArePaintedAsTheyAre) {
   PictureSettings settings = from_above();
   settings.unit = "mm";
   settings.deviation_scale = 1.0;
-  const auto across = [](const Point3& p, std::int32_t placed, std::int32_t face) {
+  const auto across = [](const Point3& p, const Vec3&, std::int32_t placed, std::int32_t face) {
     EXPECT_EQ(placed, 0);
     EXPECT_EQ(face, 0);
     EXPECT_NEAR(glm::length(p), 1, 1e-14) << "the point is exact";
     return p.x < 0 ? std::nan("") : std::hypot(p.x, p.y);
   };
-  const Made made =
-      pictures(scene, scene, settings, across, [](const Point3& p, int, int) { return std::acos(std::clamp(p.z, -1.0, 1.0)); });
+  const Made made = pictures(scene, scene, settings, across,
+                             [](const Point3& p, const Vec3&, int, int) { return std::acos(std::clamp(p.z, -1.0, 1.0)); });
   const Image image = decoded(made.file("deviation"));
   const ReportLegend& legend = *made.file("deviation").picture.legend;
   EXPECT_EQ(legend.hi, 1);
@@ -186,7 +186,7 @@ TEST(ComparePictures, FacetsShowEdgesWhereTheyAreLegible) {
 
 TEST(ComparePictures, AreTheSameForAnyNumberOfThreadsAndEndWhenToldTo) {
   const TraceScene mesh = sphere_by_octahedron(2);
-  const auto field = [](const Point3& p, int, int) { return p.z; };
+  const auto field = [](const Point3& p, const Vec3&, int, int) { return p.z; };
   Made one, two;
   tbb::task_arena(1).execute([&] { one = pictures(exact(mesh), mesh, from_above(), field); });
   tbb::task_arena(2).execute([&] { two = pictures(exact(mesh), mesh, from_above(), field); });

@@ -1,0 +1,289 @@
+#include "raytracer/cmd/compare_run.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "patches/io/read_mesh.h"
+#include "raytracer/cmd/command.h"
+#include "raytracer/cmd/compare_cost.h"
+#include "raytracer/cmd/compare_pictures.h"
+#include "raytracer/cmd/interrupt.h"
+#include "raytracer/cmd/mesh_report.h"
+#include "raytracer/cmd/scene_view.h"
+
+namespace iso {
+namespace {
+
+constexpr int kSteps = 1000;  // of the progress of one mesh
+
+struct UnitLength {
+  const char* name;
+  double metres;
+};
+constexpr UnitLength kUnits[] = {{"um", 1e-6}, {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1}, {"in", 0.0254}, {"ft", 0.3048}};
+
+std::optional<double> metres_of(const std::string& unit) {
+  for (const UnitLength& u : kUnits)
+    if (u.name == unit) return u.metres;
+  return {};
+}
+
+// The mesh of the placed parts, in world coordinates.
+ForeignMesh mesh_of(const TraceScene& scene) {
+  ForeignMesh all;
+  for (const Placed& placed : scene.placed) {
+    const auto first = static_cast<std::uint32_t>(all.points.size());
+    for (const Point3& p : placed.mesh->points) all.points.push_back(placed.to_world.point(p));
+    const bool mirrored = glm::determinant(placed.to_world.linear) < 0;
+    for (const Triangle& t : placed.mesh->triangles) {
+      PointTriangle corners;
+      for (std::size_t k = 0; k < 3; ++k) corners[k] = first + placed.mesh->nodes[t[mirrored ? 2 - k : k]].point;
+      all.triangles.push_back(corners);
+    }
+  }
+  return all;
+}
+
+std::string view_text(const CameraEntry& camera) {
+  const bool ortho = camera.projection == Projection::orthographic;
+  const std::string from = camera.look_from ? "placed by the scene" : kViewNames[static_cast<std::size_t>(camera.view.value_or(View::iso))];
+  return ortho ? from + ", orthographic" : fmt::format("{}, perspective {:g} degrees", from, camera.fov.value_or(kDefaultFov));
+}
+
+}  // namespace
+
+struct CompareRun::Scene {
+  SceneEntry entry;
+  LoadedModels loaded;
+  std::vector<PlacedPart> parts;
+  std::unique_ptr<Tracer> exact;
+  PictureSettings pictures;
+  std::optional<DirectPicture> direct;
+};
+
+CompareRun::CompareRun(const CompareOptions& options, int threads)
+    : options_(options), threads_(threads), progress_(options.quiet ? "none" : options.progress, "steps") {}
+CompareRun::~CompareRun() = default;
+
+Result<double> CompareRun::length(const std::string& text, const char* option) const {
+  return in_units(*tolerance_named(text, option), report_.diagonal, report_.unit, option);
+}
+
+Status CompareRun::load() {
+  scene_ = std::make_unique<Scene>();
+  auto entry = scene_for(render_options_of(options_));
+  if (!entry) return entry.error();
+  scene_->entry = std::move(*entry);
+  auto loaded = load_models(scene_->entry.models, scene_->entry.hash_text);
+  if (!loaded) return loaded.error();
+  scene_->loaded = std::move(*loaded);
+  if (!options_.quiet)
+    for (const std::string& note : scene_->loaded.notes) fmt::print(stderr, "isophote: {}\n", note);
+  TraceScene& scene = scene_->loaded.scene;
+  if (scene.placed.empty() || scene.box().empty()) return bad_input(options_.input, {}, "has no faces to compare with");
+  if (!options_.meshes.empty()) paint_evenly(scene);
+  for (const Placed& placed : scene.placed) scene_->parts.push_back({placed.part.get(), placed.to_world});
+
+  report_.version = kVersion;
+  report_.model = options_.input;
+  report_.unit = scene_->loaded.unit;
+  report_.diagonal = scene.box().diagonal();
+  report_.size = scene_->entry.size;
+  report_.samples = scene_->entry.samples;
+  report_.seed = scene_->entry.seed;
+  report_.view = view_text(scene_->entry.camera);
+  for (std::size_t p = 0; p < scene.placed.size(); ++p) {
+    const Part& part = *scene.placed[p].part;
+    report_.faces += part.faces.size();
+    for (std::size_t f = 0; f < part.faces.size(); ++f) {
+      std::string name = scene.placed.size() == 1 ? std::to_string(f) : fmt::format("{}.{}", p, f);
+      if (!part.faces[f].name.empty()) name += " " + part.faces[f].name;
+      report_.face_names.push_back(std::move(name));
+    }
+  }
+  return Done{};
+}
+
+Status CompareRun::fail_limits() {
+  if (options_.fail_above) {
+    const auto distance = length(*options_.fail_above, "--fail-above");
+    if (!distance) return distance.error();
+    limits_.distance = *distance;
+  }
+  if (options_.fail_normal) limits_.angle = *options_.fail_normal * kPi / 180;
+  limits_.open = options_.fail_open;
+  limits_.faults = options_.fail_faults;
+  return Done{};
+}
+
+// The exact surface's camera, and its picture.
+Status CompareRun::start_pictures() {
+  scene_->exact = std::make_unique<Tracer>(scene_->loaded.scene);
+  const Tracer& exact = *scene_->exact;
+  PictureSettings& settings = scene_->pictures;
+  settings.camera = camera_for(scene_->entry.camera, exact, scene_->entry.size);
+  settings.size = scene_->entry.size;
+  settings.samples = scene_->entry.samples;
+  settings.seed = scene_->entry.seed;
+  settings.background = scene_->entry.background.value_or(Background{});
+  settings.version = kVersion;
+  settings.unit = report_.unit;
+  settings.threads = threads_;
+  settings.look = [lights = scene_->entry.lights](const Tracer& tracer, const Camera& camera, const Sampler& sampler) {
+    return clay(tracer, lights_for(lights, camera), sampler);
+  };
+  const Camera& camera = settings.camera;
+  const double height = 2 * camera.half_height / settings.size.height;
+  report_.pixel = camera.projection == Projection::orthographic
+                      ? height
+                      : height * std::abs(glm::dot(exact.scene().box().middle() - camera.position, camera.back));
+  if (options_.no_pictures) return Done{};
+  report_.direct = cost_of(exact, camera, settings.size);
+  const InterruptGuard interrupt;
+  auto direct = picture_direct(exact, settings, {interrupt.flag(), {}});
+  if (!direct) return direct.error();
+  if (const auto kept = (*keep_)({direct->file.picture.file, direct->file.exr}); !kept) return kept;
+  report_.pictures.push_back(direct->file.picture);
+  direct->file.exr.clear();
+  scene_->direct = std::move(*direct);
+  return Done{};
+}
+
+Status CompareRun::add_pictures(ReportMesh& mesh, const ForeignMesh& triangles, const TraceScene& scene) {
+  const Tracer tracer(scene);
+  const double tessellated = mesh.cost.tessellate_seconds;
+  mesh.cost = cost_of(tracer, scene_->pictures.camera, report_.size);
+  mesh.cost.tessellate_seconds = tessellated;
+  const TriangleTree tree(triangles.points, triangles.triangles);
+  MeshToShow shown;
+  shown.tracer = &tracer;
+  shown.name = fmt::format("mesh-{}", report_.meshes.size() + 1);
+  shown.smooth = mesh.ours;
+  shown.deviation = [&](const Point3& p, const Vec3&, std::int32_t, std::int32_t) { return tree.nearest(p).distance; };
+  shown.normal_error = [&](const Point3& p, const Vec3& n, std::int32_t, std::int32_t) {
+    const PointTriangle& t = triangles.triangles[tree.nearest(p).triangle];
+    const Vec3 m = glm::cross(triangles.points[t[1]] - triangles.points[t[0]], triangles.points[t[2]] - triangles.points[t[0]]);
+    return m == Vec3(0.0) || n == Vec3(0.0) ? std::nan("") : std::atan2(glm::length(glm::cross(n, m)), glm::dot(n, m));
+  };
+  const InterruptGuard interrupt;
+  auto pictures = pictures_of(shown, *scene_->exact, *scene_->direct, scene_->pictures, {interrupt.flag(), {}});
+  if (!pictures) return pictures.error();
+  mesh.images = pictures->images;
+  for (PictureFile& file : pictures->files) {
+    if (const auto kept = (*keep_)({file.picture.file, file.exr}); !kept) return kept;
+    mesh.pictures.push_back(std::move(file.picture));
+  }
+  return Done{};
+}
+
+Status CompareRun::compare(ReportMesh& mesh, const ForeignMesh& triangles, const TraceScene& scene, bool pictures) {
+  ComparisonSettings settings;
+  settings.unit = report_.unit;
+  if (options_.reference) {
+    const auto reference = length(*options_.reference, "--reference");
+    if (!reference) return reference.error();
+    settings.reference = *reference;
+  }
+  mesh.points = triangles.points.size();
+  mesh.triangles = triangles.triangles.size();
+  mesh.comparison = compare_mesh(scene_->parts, triangles, settings,
+                                 [this](double share) { progress_.update(static_cast<int>(share * kSteps), kSteps); });
+  progress_.finish();
+  if (pictures && !options_.no_pictures)
+    if (const auto added = add_pictures(mesh, triangles, scene); !added) return added;
+  mesh.verdict = verdict_of(mesh, report_);
+  for (std::string& failure : failures_of(mesh, report_, limits_)) report_.failures.push_back(std::move(failure));
+  if (!options_.quiet) {
+    fmt::print(stderr, "{}\n", mesh.verdict);
+    for (const FaultFound& fault : mesh.comparison.faults) fmt::print(stderr, "  {}: {}\n", name_of(fault.fault), fault.text);
+  }
+  report_.meshes.push_back(std::move(mesh));
+  return Done{};
+}
+
+Status CompareRun::compare_ours(const Tolerance& tolerance, bool pictures) {
+  LoadedModels meshed = scene_->loaded;
+  MeshRequest request;
+  request.tolerance = tolerance;
+  request.tolerance_name = "--tolerances";
+  const auto figures = tessellate_scene(meshed, request, [this](int done, int all) { progress_.update(done, all); });
+  progress_.finish();
+  if (!figures) return figures.error();
+  ReportMesh mesh;
+  mesh.label = tolerance_text(tolerance, report_.unit);
+  mesh.ours = true;
+  mesh.tolerance = figures->settings.distance;
+  const MeshTotals totals = totals_of(*figures);
+  mesh.guaranteed = totals.bound + totals.offset;
+  mesh.broken = broken_promises(*figures);
+  mesh.cost.tessellate_seconds = figures->mesh_seconds;
+  const ForeignMesh triangles = mesh_of(meshed.scene);
+  if (triangles.triangles.empty())
+    return Error{Exit::promise_not_kept, options_.input, {}, fmt::format("{}: no face could be meshed", mesh.label)};
+  return compare(mesh, triangles, meshed.scene, pictures);
+}
+
+Status CompareRun::compare_theirs(const std::string& path) {
+  auto triangles = read_mesh(path);
+  if (!triangles) return triangles.error();
+  ReportMesh mesh;
+  mesh.file = path;
+  mesh.label = std::filesystem::path(path).filename().string();
+  mesh.notes = triangles->notes;
+  // What is known of both units is undone; what is not shows as a fault.
+  const auto from = metres_of(options_.mesh_unit.value_or(triangles->unit)), to = metres_of(report_.unit);
+  if (options_.mesh_unit && !to) return Error{Exit::bad_command_line, options_.input, {}, "--mesh-unit: the model's own unit is not known"};
+  if (from && to && *from != *to) {
+    for (Point3& p : triangles->points) p *= *from / *to;
+    triangles->rounding *= *from / *to;
+    mesh.notes.push_back(
+        fmt::format("coordinates taken as {} and turned into {}", options_.mesh_unit.value_or(triangles->unit), report_.unit));
+  }
+  TraceScene scene;
+  scene.placed.push_back(placed_foreign(*triangles));
+  scene.mesh_shading = MeshShading::flat;
+  paint_evenly(scene);
+  return compare(mesh, *triangles, scene, true);
+}
+
+// From coarse to fine, until one keeps what was asked for.
+Status CompareRun::advise() {
+  constexpr double kLadder[] = {1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6};
+  const double pixels = options_.pixels.value_or(0.5);
+  for (const double share : kLadder) {
+    if (const auto done = compare_ours({share, ToleranceUnit::diagonal}, options_.flip.has_value()); !done) return done;
+    const ReportMesh& mesh = report_.meshes.back();
+    const double off = mesh.comparison.all.worst() / report_.pixel;
+    if (options_.flip ? mesh.images.flip_ldr > *options_.flip : !(off <= pixels)) continue;
+    const std::string length = length_text(mesh.tolerance, report_.unit);
+    report_.advice =
+        options_.flip
+            ? fmt::format("a tolerance of {} ({} d) is the coarsest tried whose mean FLIP is at most {:g}: {:.2g}, with {} triangles",
+                          length, share, *options_.flip, mesh.images.flip_ldr, mesh.triangles)
+            : fmt::format("a tolerance of {} ({} d) is the coarsest tried that stays within {:g} pixels: {:.2g} pixels, with {} triangles",
+                          length, share, pixels, off, mesh.triangles);
+    return Done{};
+  }
+  report_.failures.push_back("no tolerance down to 1e-6 d keeps what --advise asks for");
+  return Done{};
+}
+
+Result<CompareReport> CompareRun::run(const std::function<Status(const ReportFile&)>& keep) {
+  keep_ = &keep;
+  if (const auto loaded = load(); !loaded) return loaded.error();
+  if (const auto limits = fail_limits(); !limits) return limits.error();
+  if (const auto started = start_pictures(); !started) return started.error();
+  const auto tolerances = tolerances_of(options_);
+  if (!tolerances) return tolerances.error();
+  for (const Tolerance& tolerance : *tolerances)
+    if (const auto done = compare_ours(tolerance, true); !done) return done.error();
+  for (const std::string& path : options_.meshes)
+    if (const auto done = compare_theirs(path); !done) return done.error();
+  if (options_.advise)
+    if (const auto done = advise(); !done) return done.error();
+  report_.verdict = verdict_of_all(report_);
+  return std::move(report_);
+}
+
+}  // namespace iso
