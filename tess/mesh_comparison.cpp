@@ -59,7 +59,8 @@ class SurfaceSource {
   }
   bool side_matters(std::size_t i, int k) const { return faces_->is_border(static_cast<std::uint32_t>(i), k); }
   double bound(std::size_t i, double near, double enough) const {
-    return cover_bound(*mesh_, of_mesh_->points, of_mesh_->triangles, corners(i), near, enough).bound + faces_->faces()[group(i)].bound;
+    const double off = faces_->faces()[group(i)].bound;
+    return cover_bound(*mesh_, of_mesh_->points, of_mesh_->triangles, corners(i), near + off, enough + off).bound + off;
   }
 
  private:
@@ -105,8 +106,8 @@ class MeshSource {
   bool side_matters(std::size_t, int) const { return true; }
   double bound(std::size_t i, double near, double enough) const {
     // Our mesh may be farther than the surface.
-    near += faces_->bound();
-    return cover_bound(faces_->tree(), faces_->points(), faces_->triangles(), corners(i), near, enough).bound + faces_->bound();
+    const double off = faces_->bound();
+    return cover_bound(faces_->tree(), faces_->points(), faces_->triangles(), corners(i), near + off, enough + off).bound + off;
   }
 
  private:

@@ -57,7 +57,6 @@ class Cover {
   int pieces() const { return pieces_; }
 
  private:
-  static constexpr double kEnough = 1.01;           // times what is there: tight to this
   static constexpr int kMostDepth = 4;              // of quartering
   static constexpr std::size_t kMostNearby = 1024;  // triangles before one; with more it is quartered
   static constexpr double kThin = 1e-12;            // of the triangle's size: thinner pieces are rounding
@@ -260,7 +259,7 @@ double Cover::bound(const std::array<Point3, 3>& t, double near, int depth) {
   if (!(glm::length(n) > kThin * longest * longest)) return along(t[at], t[(at + 1) % 3], 0);
   // What is farther than this is no help: the bound would not be tight.
   const double rounding = 16 * kEps * (longest + std::max({std::abs(t[0].x), std::abs(t[0].y), std::abs(t[0].z)}));
-  const double reach = std::max(enough_, 2 * near + kThin * longest + rounding);
+  const double reach = std::max(enough_, near) + kThin * longest + rounding;
   Box3 box;
   for (const Point3& p : t) box.include(p);
   nearby_.clear();
@@ -277,7 +276,7 @@ double Cover::bound(const std::array<Point3, 3>& t, double near, int depth) {
   std::erase_if(nearby_, [&](std::uint32_t i) { return !prism(i, region); });
   if (nearby_.size() > kMostNearby && depth < kMostDepth) return quartered(t, near, depth);
   open_.assign(1, whole_);
-  limit_ = kEnough * reach;
+  limit_ = reach;
   for (std::uint32_t i : nearby_) {
     if (open_.empty()) break;
     prism(i, region);
