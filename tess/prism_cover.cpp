@@ -271,7 +271,7 @@ double Cover::bound(const std::array<Point3, 3>& t, double near, int depth) {
   if (!(glm::length(n) > kThin * longest * longest)) return along(t[at], t[(at + 1) % 3], 0);
   // What is farther than this is no help: the bound would not be tight.
   const double rounding = 16 * kEps * (longest + std::max({std::abs(t[0].x), std::abs(t[0].y), std::abs(t[0].z)}));
-  const double reach = std::max(enough_, 2 * near + kThin * longest + rounding);
+  const double reach = std::max(enough_, near) + kThin * longest + rounding;
   Box3 box;
   for (const Point3& p : t) box.include(p);
   nearby_.clear();
