@@ -205,9 +205,11 @@ double Comparison::rough_distance() const {
 }
 
 void Comparison::choose_reference() {
+  // In the coordinates of the first part, so that it does not depend on how all of them are turned.
   Box3 box;
-  for (const PlacedPart& p : parts_) box.include(transformed(p.to_world, p.part->box));
-  diagonal_ = box.diagonal();
+  const Affine3 to_first = inverse(parts_[0].to_world);
+  for (const PlacedPart& p : parts_) box.include(transformed(to_first * p.to_world, p.part->box));
+  diagonal_ = stretch_of(parts_[0].to_world) * box.diagonal();
   if (settings_.reference > 0) {
     faces_ = std::make_unique<ExactFaces>(parts_, settings_.reference);
     return;
