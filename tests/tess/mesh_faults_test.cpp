@@ -98,10 +98,9 @@ ForeignMesh without(const Sound& sound, std::uint32_t first, std::uint32_t end) 
   return mesh;
 }
 
-TEST(MeshFaults, AMissingFaceIsNamed) {
+void expect_missing_faces_named(const std::vector<std::string>& files, int least, int most_small) {
   int checked = 0, small = 0;
-  for (const char* file : {"axom-sliced-cylinder.step", "occtjs-conical-surface.step", "occtjs-cube-mm.step", "mayo-issue-332.stp",
-                           "cadquery-red-cube-blue-cylinder.step"}) {
+  for (const std::string& file : files) {
     const Sound sound(file, 1e-3);
     for (const ExactFaces::Known& face : sound.faces->faces()) {
       const MeshComparison c = sound.compared(without(sound, face.first, face.end));
@@ -124,8 +123,15 @@ TEST(MeshFaults, AMissingFaceIsNamed) {
       ++checked;
     }
   }
-  EXPECT_GE(checked, 25);
-  EXPECT_LE(small, 2);
+  EXPECT_GE(checked, least);
+  EXPECT_LE(small, most_small);
+}
+
+TEST(MeshFaults, AMissingFaceIsNamed) {
+  expect_missing_faces_named({"axom-sliced-cylinder.step", "occtjs-conical-surface.step", "occtjs-cube-mm.step"}, 15, 0);
+}
+TEST(MeshFaultsSlow, AMissingFaceOfAnAssemblyIsNamed) {
+  expect_missing_faces_named({"mayo-issue-332.stp", "cadquery-red-cube-blue-cylinder.step"}, 10, 2);
 }
 
 TEST(MeshFaults, AMovedPointIsFar) {
@@ -165,7 +171,7 @@ TEST(MeshFaults, TurnedTrianglesAreNamedByHowManyThereAre) {
 
     double area = 0;
     for (const ExactFaces::Known& known : sound.faces->faces()) area += known.area;
-    for (std::size_t f = 0; f < std::min<std::size_t>(sound.faces->faces().size(), 4); ++f) {
+    for (std::size_t f = 0; f < std::min<std::size_t>(sound.faces->faces().size(), 2); ++f) {
       const ExactFaces::Known& known = sound.faces->faces()[f];
       if (known.area > 0.8 * area) continue;
       ForeignMesh face = sound.mesh;
@@ -220,8 +226,8 @@ TEST(MeshFaults, DoubledAndDeletedTrianglesAreNamed) {
 }
 
 TEST(MeshFaults, SizeUnitAndPlaceAreNamed) {
-  for (const char* file : {"axom-sliced-cylinder.step", "occt-screw.step", "nist-mbe-pmi-11.stp"}) {
-    const Sound sound(file, 1e-3);
+  for (const char* file : {"axom-sliced-cylinder.step", "occt-screw.step"}) {
+    const Sound sound(file, 1e-2);
     ASSERT_EQ(sound.model->unit, "mm");
     const auto only = [&](const Affine3& by) {
       const auto faults = sound.faults(moved(sound.mesh, by));
