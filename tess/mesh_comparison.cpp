@@ -148,6 +148,8 @@ class Comparison {
   void find_points_and_triangles();
   TriangleFinding look_at(std::size_t t) const;
   void measure_both_ways();
+  double usual_distance(const std::vector<float>& worst_of_triangle);
+  double least_distance() const;
   void finish_faces();
   void check_topology_and_gaps();
   void name_faults();
@@ -168,7 +170,7 @@ class Comparison {
   std::vector<OpenEdge> cracks_;
   std::vector<float> nearest_of_triangle_;
   std::vector<double> missing_;
-  double far_ = 0, far_point_ = 0;
+  double usual_point_ = 0, far_ = 0, far_point_ = 0;
   MeshComparison result_;
 };
 
@@ -203,9 +205,11 @@ double Comparison::rough_distance() const {
 }
 
 void Comparison::choose_reference() {
+  // In the coordinates of the first part, so that it does not depend on how all of them are turned.
   Box3 box;
-  for (const PlacedPart& p : parts_) box.include(transformed(p.to_world, p.part->box));
-  diagonal_ = box.diagonal();
+  const Affine3 to_first = inverse(parts_[0].to_world);
+  for (const PlacedPart& p : parts_) box.include(transformed(to_first * p.to_world, p.part->box));
+  diagonal_ = stretch_of(parts_[0].to_world) * box.diagonal();
   if (settings_.reference > 0) {
     faces_ = std::make_unique<ExactFaces>(parts_, settings_.reference);
     return;
@@ -298,7 +302,7 @@ void Comparison::measure_both_ways() {
     for (std::size_t f = 0; f < groups; ++f) result_.faces[f].to_surface = found[f];
     result_.all.to_surface = found.back();
     nearest_of_triangle_ = meter.nearest_of_triangle();
-    usual = meter.usual(kUsual);
+    usual = usual_distance(meter.worst_of_triangle());
   }
   tree_ = std::make_unique<TriangleTree>(mesh_.points, mesh_.triangles);
   const SurfaceSource source(*faces_, *tree_, mesh_);
@@ -309,15 +313,31 @@ void Comparison::measure_both_ways() {
   done_ += 0.75;
 
   // What is well beyond the usual of this mesh is a fault of its own. What is usual is asked of the mesh: of the faces some may have none.
-  const double least = std::max({faces_->bound(), faces_->gap(), 2 * mesh_.rounding, kNothing * diagonal_});
-  far_ = kWellBeyond * std::max(usual, least);
+  far_ = kWellBeyond * std::max(usual, least_distance());
   for (std::size_t f = 0; f < groups; ++f) missing_.push_back(meter.share_beyond(f, far_));
+  far_point_ = std::max(far_, kWellBeyond * usual_point_);
+}
+
+// Of the triangles; those with a point far beyond the others do not count, which may be many in a small mesh.
+double Comparison::usual_distance(const std::vector<float>& worst_of_triangle) {
+  const auto usual_of = [](std::vector<double>& all) {
+    const auto at = all.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(all.size() - 1));
+    std::nth_element(all.begin(), at, all.end());
+    return *at;
+  };
   std::vector<double> distances;
   for (const PointFinding& p : points_) distances.push_back(p.distance);
-  const auto at = distances.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(distances.size() - 1));
-  std::nth_element(distances.begin(), at, distances.end());
-  far_point_ = std::max(far_, kWellBeyond * *at);
+  usual_point_ = usual_of(distances);
+  const double beyond = kWellBeyond * std::max(usual_point_, least_distance());
+  std::vector<double> of_triangles, others;
+  for (std::size_t t = 0; t < worst_of_triangle.size(); ++t) {
+    const auto is_far = [&](std::uint32_t p) { return points_[p].distance > beyond; };
+    (std::ranges::any_of(mesh_.triangles[t], is_far) ? others : of_triangles).push_back(double(worst_of_triangle[t]));
+  }
+  return usual_of(of_triangles.empty() ? others : of_triangles);
 }
+
+double Comparison::least_distance() const { return std::max({faces_->bound(), faces_->gap(), 2 * mesh_.rounding, kNothing * diagonal_}); }
 
 void Comparison::finish_faces() {
   std::vector<double> angles(result_.faces.size(), 0);
@@ -379,7 +399,7 @@ void Comparison::check_topology_and_gaps() {
       cracks_.push_back(edge);
   }
   result_.all.open_edges = open.size();
-  // How wide the cracks are: the distance of each one's middle from the next one that has no point in common with it.
+  // How wide the cracks are: the distance of each one's middle from the next one that is not its continuation.
   std::vector<PointTriangle> sides;
   for (const OpenEdge& edge : cracks_) {
     const PointTriangle& t = mesh_.triangles[edge.triangle];
@@ -391,8 +411,15 @@ void Comparison::check_topology_and_gaps() {
   tbb::parallel_for(std::size_t{0}, sides.size(), [&](std::size_t i) {
     const auto [a, b, b2] = sides[i];
     const auto apart = [&, a = a, b = b](std::uint32_t other) {
+      constexpr double kSharp = 0.25;  // the cosine of the angle at a common point, from which the other one lies opposite
       const PointTriangle& s = sides[other];
-      return s[0] != a && s[0] != b && s[1] != a && s[1] != b;
+      for (const auto& [common, end] : {std::pair(a, b), std::pair(b, a)})
+        for (std::size_t k = 0; k < 2; ++k) {
+          if (s[k] != common) continue;
+          const Vec3 along = mesh_.points[end] - mesh_.points[common], aside = mesh_.points[s[1 - k]] - mesh_.points[common];
+          if (!(glm::dot(along, aside) > kSharp * glm::length(along) * glm::length(aside))) return false;
+        }
+      return other != i;
     };
     widths[i] = cracks.nearest_where(0.5 * (mesh_.points[a] + mesh_.points[b]), TriangleTree::kNone, apart).distance;
   });
