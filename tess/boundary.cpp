@@ -4,6 +4,8 @@
 #include <map>
 #include <numeric>
 
+#include "tess/inner_poles.h"
+
 namespace iso {
 
 double parameter_at(const EdgeUse& use, double share) {
@@ -295,6 +297,7 @@ Boundary::Boundary(const Part& part, double sew) {
     }
   }
   mark_points(part, *this);
+  add_inner_poles(part, *this);
   joins = join_edges(part, *this, sew);
   number_vertices(part, *this);
   collapse_short_edges(part, *this);
