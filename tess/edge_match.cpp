@@ -48,10 +48,11 @@ bool encloses_sliver(const EdgePiece& first, const EdgeUse& directed, double tol
 
 // Whether they are one curve in (u, v): a slit, or a loop that runs back over itself.
 bool is_slit(const EdgePiece& first, const EdgeUse& directed, const EdgeMatch& match) {
-  const double same = kEvenShare * first.face->domain.diagonal();
+  const Vec2 same = kEvenShare * first.face->domain.size();
   const std::size_t parts = match.shares.size() - 1;
   for (std::size_t k = 0; k <= parts; ++k)
-    if (glm::length(uv_at(first.use, even_share(k, parts)) - uv_at(directed, match.shares[k])) > same) return false;
+    if (const Vec2 d = glm::abs(uv_at(first.use, even_share(k, parts)) - uv_at(directed, match.shares[k])); d.x > same.x || d.y > same.y)
+      return false;
   return true;
 }
 

@@ -103,8 +103,9 @@ class FaceMesher {
   // A point that the border comes back to is where it was, and not beside it by rounding.
   UV settled(std::uint32_t point, const UV& uv) {
     const auto [first, last] = settled_.equal_range(point);
+    const Vec2 rounding = kOnCrease * shape_.face().domain.size();
     for (auto at = first; at != last; ++at)
-      if (glm::length(uv - at->second) <= kOnCrease * shape_.face().domain.diagonal()) return at->second;
+      if (const Vec2 d = glm::abs(uv - at->second); d.x <= rounding.x && d.y <= rounding.y) return at->second;
     settled_.emplace(point, uv);
     return uv;
   }
