@@ -127,9 +127,27 @@ void mark_points(const Part& part, Boundary& boundary) {
                       });
 }
 
+// Loops of a face that touch in a point of (u, v) have one vertex there: the face's triangles have one node.
+void join_touching_loops(const Part& part, const Boundary& boundary, Sets& ends) {
+  for (std::size_t f = 0; f < part.faces.size(); ++f) {
+    std::vector<std::pair<UV, int>> starts;
+    for (const auto& loop : boundary.loops[f])
+      for (const int u : loop) {
+        const EdgeUse& use = boundary.uses[static_cast<std::size_t>(u)];
+        starts.push_back({uv_at(use, use.forward ? 0 : 1), 2 * use.edge + (use.forward ? 0 : 1)});
+      }
+    std::sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first.x < b.first.x; });
+    const double tiny = kPoint * part.faces[f].domain.diagonal();
+    for (std::size_t i = 0; i < starts.size(); ++i)
+      for (std::size_t j = i + 1; j < starts.size() && starts[j].first.x - starts[i].first.x <= tiny; ++j)
+        if (std::abs(starts[j].first.y - starts[i].first.y) <= tiny) ends.join(starts[i].second, starts[j].second);
+  }
+}
+
 // Where a use ends the next of its loop begins: one vertex.
-void number_vertices(Boundary& boundary) {
+void number_vertices(const Part& part, Boundary& boundary) {
   Sets ends(2 * boundary.edges.size());
+  join_touching_loops(part, boundary, ends);
   for (const auto& of_face : boundary.loops)
     for (const auto& loop : of_face)
       for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -278,7 +296,7 @@ Boundary::Boundary(const Part& part, double sew) {
   }
   mark_points(part, *this);
   joins = join_edges(part, *this, sew);
-  number_vertices(*this);
+  number_vertices(part, *this);
   collapse_short_edges(part, *this);
   if (joins.joined == 0) return;
   join_short_edges(part, *this);
@@ -287,24 +305,25 @@ Boundary::Boundary(const Part& part, double sew) {
   compact(*this);
 }
 
-// Newton steps along the curve, clamped to [lo, hi]; a step that leads uphill is halved.
+// Newton steps along the curve, clamped to [lo, hi]; a step that leads uphill is halved. Where the curve lies still, all places are equally
+// near: a place is left only for one that is nearer by more than rounding.
 double slide_share(const Face& face, const EdgeUse& use, const Point3& p, double from, double lo, double hi) {
   constexpr int kSteps = 24;
-  constexpr double kRounding = 16 * kEps;  // of distances, as a share of the coordinates
-  const double a = parameter_at(use, 0), b = parameter_at(use, 1);
+  constexpr double kRounding = 64 * kEps;  // of places, as a share of the coordinates
+  const double a = parameter_at(use, 0), b = parameter_at(use, 1), rounding = kRounding * glm::length(p);
   double best = from, least = kInf;
   for (int i = 0; i < kSteps; ++i) {
     const auto curve = jet(use.curve.curve, parameter_at(use, from));
     const Jet2 at = jet2(face.surface, curve.C);
     const Vec3 r = p - at.S, tangent = (at.Su * curve.Ct.x + at.Sv * curve.Ct.y) * (b - a);
-    const double d = glm::length(r), speed2 = glm::dot(tangent, tangent);
+    const double d = glm::length(r), along = glm::dot(r, tangent), speed2 = glm::dot(tangent, tangent);
     double next = 0.5 * (from + best);
     if (d < least) {
       best = from;
       least = d;
-      if (!(speed2 > 0)) break;
-      next = std::clamp(from + glm::dot(r, tangent) / speed2, lo, hi);
-    } else if (!(d - least > kRounding * glm::length(at.S))) {
+      if (!(std::abs(along) > rounding * std::sqrt(speed2))) break;
+      next = std::clamp(from + along / speed2, lo, hi);
+    } else if (!(d - least > rounding)) {
       break;
     }
     if (std::abs(next - from) < 4 * kEps) break;

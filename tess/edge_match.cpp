@@ -18,7 +18,27 @@ constexpr double kEvenFactor = 2, kEvenShare = 1e-9;
 
 Point3 place(const EdgePiece& piece, const EdgeUse& use, double share) { return point(piece.face->surface, uv_at(use, share)); }
 
-double even_share(int i) { return static_cast<double>(i) / kTraced; }
+double even_share(std::size_t i, std::size_t parts) { return static_cast<double>(i) / static_cast<double>(parts); }
+
+// How many different knots lie inside an interval.
+int knots_inside(const std::vector<double>& knots, double a, double b) {
+  int count = 0;
+  for (std::size_t i = 0; i < knots.size(); ++i)
+    count += knots[i] > std::min(a, b) && knots[i] < std::max(a, b) && (i == 0 || knots[i] != knots[i - 1]);
+  return count;
+}
+
+// The curve of a use bends anew at the knots that it crosses.
+std::size_t parts_of(const Face& face, const EdgeUse& use) {
+  int spans = 1;
+  if (const auto* curve = std::get_if<NurbsCurve<Vec2>>(&use.curve.curve)) spans += knots_inside(curve->knots, use.curve.t0, use.curve.t1);
+  if (const auto* nurbs = std::get_if<NurbsSurface>(&face.surface)) {
+    Box2 box;
+    for (int i = 0; i <= kTraced; ++i) box.include(uv_at(use, even_share(static_cast<std::size_t>(i), kTraced)));
+    spans += knots_inside(nurbs->knots_u, box.lo.x, box.hi.x) + knots_inside(nurbs->knots_v, box.lo.y, box.hi.y);
+  }
+  return static_cast<std::size_t>(std::clamp(kTracedOfSpan * spans, kTraced, kMostTraced));
+}
 
 // Two borders of one face that enclose nothing but a sliver are no seam: between them the surface stays near them.
 bool encloses_sliver(const EdgePiece& first, const EdgeUse& directed, double tolerance) {
@@ -50,11 +70,12 @@ void fill_evenly(std::vector<double>& shares) {
 // The nearest places, where they follow one another; near ends that are not in the same place they do not, and go evenly.
 std::optional<EdgeMatch> match_nearest(const EdgePiece& first, const EdgePiece& second, const MatchPolicy& policy) {
   EdgeMatch result;
-  result.shares.assign(kTraced + 1, -1);
+  const std::size_t parts = first.at.size() - 1;
+  result.shares.assign(parts + 1, -1);
   result.shares.front() = 0;
   result.shares.back() = 1;
   double last = 0;
-  for (std::size_t k = 1; k < kTraced; ++k) {
+  for (std::size_t k = 1; k < parts; ++k) {
     const double expected = first.along[k] / first.length();
     const NearPlace near =
         nearest_place(second, first.at[k], 2 * std::max(policy.ends, policy.between), expected - kWindow, expected + kWindow);
@@ -65,11 +86,11 @@ std::optional<EdgeMatch> match_nearest(const EdgePiece& first, const EdgePiece& 
   const std::vector<double> found = result.shares;
   fill_evenly(result.shares);
   double evenly = 0;
-  for (std::size_t k = 0; k <= kTraced; ++k) {
+  for (std::size_t k = 0; k <= parts; ++k) {
     const double distance = glm::length(first.at[k] - place(second, second.use, result.shares[k]));
     if (found[k] < 0 && distance > 2 * policy.ends) return std::nullopt;
     result.apart = std::max(result.apart, distance);
-    evenly = std::max(evenly, glm::length(first.at[k] - second.at[k]));
+    evenly = std::max(evenly, glm::length(first.at[k] - place(second, second.use, even_share(k, parts))));
   }
   result.even = evenly <= std::max(kEvenFactor * result.apart, kEvenShare * first.length());
   return result;
@@ -85,8 +106,9 @@ EdgePiece trace(const Part& part, const std::vector<EdgeUse>& uses, int use, dou
   piece.use = part_of(uses[static_cast<std::size_t>(use)], a, b);
   piece.face = &part.faces[static_cast<std::size_t>(piece.use.face)];
   piece.along.push_back(0);
-  for (int i = 0; i <= kTraced; ++i) {
-    piece.at.push_back(place(piece, piece.use, even_share(i)));
+  const std::size_t parts = parts_of(*piece.face, piece.use);
+  for (std::size_t i = 0; i <= parts; ++i) {
+    piece.at.push_back(place(piece, piece.use, even_share(i, parts)));
     piece.box.include(piece.at.back());
     const std::size_t n = piece.at.size();
     if (n >= 2) piece.along.push_back(piece.along.back() + glm::length(piece.at[n - 1] - piece.at[n - 2]));
@@ -97,6 +119,7 @@ EdgePiece trace(const Part& part, const std::vector<EdgeUse>& uses, int use, dou
 }
 
 NearPlace nearest_place(const EdgePiece& piece, const Point3& p, double within, double from_length, double to_length) {
+  const double step_share = 1.0 / static_cast<double>(piece.at.size() - 1);
   double best = kInf, share = 0;
   for (std::size_t i = 0; i + 1 < piece.at.size(); ++i) {
     if (piece.along[i + 1] < from_length * piece.length() || piece.along[i] > to_length * piece.length()) continue;
@@ -106,11 +129,11 @@ NearPlace nearest_place(const EdgePiece& piece, const Point3& p, double within, 
     const double distance = glm::length(p - piece.at[i] - s * step);
     if (distance >= best) continue;
     best = distance;
-    share = (static_cast<double>(i) + s) / kTraced;
+    share = (static_cast<double>(i) + s) * step_share;
   }
   if (best > within + piece.sag) return {};
   NearPlace result;
-  result.share = slide_share(*piece.face, piece.use, p, share, std::max(0.0, share - 1.0 / kTraced), std::min(1.0, share + 1.0 / kTraced));
+  result.share = slide_share(*piece.face, piece.use, p, share, std::max(0.0, share - step_share), std::min(1.0, share + step_share));
   result.distance = glm::length(p - place(piece, piece.use, result.share));
   return result;
 }

@@ -8,8 +8,9 @@
 
 namespace iso {
 
-// Parts into which a piece is divided, evenly in its parameter, to be compared.
-inline constexpr int kTraced = 32;
+// Parts into which a piece is divided, evenly in its parameter, to be compared: at least kTraced, and kTracedOfSpan for each span of the
+// curve and of the surface, in which it may turn anywhere; never more than kMostTraced.
+inline constexpr int kTraced = 32, kTracedOfSpan = 4, kMostTraced = 1024;
 
 // The part [a, b] of a use's shares, with places on it.
 struct EdgePiece {
@@ -17,7 +18,7 @@ struct EdgePiece {
   int origin = -1;            // the use, of Boundary
   double a = 0, b = 1;        // shares of it
   EdgeUse use;                // that part as a use of its own
-  std::vector<Point3> at;     // kTraced + 1 places at even shares
+  std::vector<Point3> at;     // places at even shares, both ends included
   std::vector<double> along;  // length of the polyline through them up to each
   double sag = 0;             // about how far the curve strays from that polyline
   Box3 box;                   // of the polyline, inflated by `sag`
@@ -48,7 +49,7 @@ struct MatchPolicy {
 };
 
 // The match of two pieces that lie within the policy's distances of each other all along; none for edges of a few tolerances only. Measured
-// at kTraced + 1 places: what lies between them counts into FaceReport::offset, whatever it is.
+// at the first piece's places: what lies between them counts into FaceReport::offset, whatever it is.
 std::optional<EdgeMatch> match(const EdgePiece& first, const EdgePiece& second, const MatchPolicy& policy);
 
 }  // namespace iso

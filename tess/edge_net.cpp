@@ -270,6 +270,9 @@ EdgeNet::Sampling EdgeNet::sampled(int e) const {
   // A closed edge must not collapse to a point or to a segment run through twice.
   if (!edge.degenerate && edge.vertex[0] == edge.vertex[1])
     for (const double share : {2.0 / 3, 1.0 / 3}) stack.push_back(sample_at(e, share));
+  // A collapsed edge is nowhere too long, but may go around a corner of the domain.
+  const std::vector<double>& preferred = preferred_[static_cast<std::size_t>(e)];
+  for (auto share = preferred.rbegin(); edge.degenerate && share != preferred.rend(); ++share) stack.push_back(sample_at(e, *share));
   while (!stack.empty()) {
     const Sample& last = result.samples.back();
     const double a = last.share, b = stack.back().share;

@@ -52,7 +52,7 @@ ExactFaces::ExactFaces(std::span<const PlacedPart> parts, double distance) {
       triangles_.push_back(corners);
     }
     for (const auto& side : t.free_sides) free_sides_.push_back({first_point + side[0], first_point + side[1], first_point + side[1]});
-    places_.push_back({{of.tessellation, &t.mesh}, of.surfaces, p.to_world, inverse(p.to_world), first_triangle});
+    places_.push_back({p.part, {of.tessellation, &t.mesh}, of.surfaces, p.to_world, inverse(p.to_world), first_triangle});
     const double larger = stretch_of(p.to_world);
     for (std::size_t f = 0; f < p.part->faces.size(); ++f) {
       const FaceReport& report = t.faces[f];
@@ -114,7 +114,8 @@ void ExactFaces::walk(std::uint32_t& triangle, Vec3& weights) const {
 ExactFaces::Corners ExactFaces::corners_of(std::uint32_t triangle) const {
   const Known& face = faces_[face_of_[triangle]];
   const Place& place = places_[static_cast<std::size_t>(face.placed)];
-  Corners c{&place, &(*place.surfaces)[static_cast<std::size_t>(face.face)], {}, face.turned};
+  const auto f = static_cast<std::size_t>(face.face);
+  Corners c{&place, &(*place.surfaces)[f], &place.part->faces[f].surface, {}, face.turned};
   const Triangle& t = place.mesh->triangles[triangle - place.first_triangle];
   for (std::size_t k = 0; k < 3; ++k) c.uv[k] = place.mesh->nodes[t[k]].uv;
   return c;
@@ -140,24 +141,37 @@ ExactFaces::OnSurface ExactFaces::lifted(std::uint32_t triangle, const Vec3& wei
   return {there.S, normal(c, there)};
 }
 
-// Gauss-Newton steps toward the foot of p, taken only downhill.
+// Steps toward the foot of p, taken only downhill: Gauss-Newton while that converges at once, as it does where p is much nearer than the
+// surface's radius of curvature; then Newton with second derivatives, or Gauss-Newton where those do not lead down.
 UV ExactFaces::downhill(const Corners& c, const Point3& p, UV uv, TangentJet& there) const {
-  constexpr int kMostSteps = 12;
+  constexpr int kMostSteps = 24, kQuickSteps = 4, kMostHalvings = 8;
+  constexpr double kParallel = 1e-12;  // squared sine of the tangents' angle, below which a step is not to be trusted
+  const Affine3& place = c.place->to_world;
   double least = glm::length(there.S - p);
   for (int i = 0; i < kMostSteps; ++i) {
     const Vec3 r = p - there.S;
-    const double E = glm::dot(there.Su, there.Su), F = glm::dot(there.Su, there.Sv), G = glm::dot(there.Sv, there.Sv), det = E * G - F * F;
-    constexpr double kParallel = 1e-12;  // squared sine of the tangents' angle, below which a step is not to be trusted
+    double E = glm::dot(there.Su, there.Su), F = glm::dot(there.Su, there.Sv), G = glm::dot(there.Sv, there.Sv), det = E * G - F * F;
     if (!(det > kParallel * E * G)) break;
+    if (i >= kQuickSteps) {
+      const Jet2 jet = jet2(*c.exact, uv);
+      const double e = E - glm::dot(r, place.vector(jet.Suu)), f = F - glm::dot(r, place.vector(jet.Suv)),
+                   g = G - glm::dot(r, place.vector(jet.Svv));
+      if (e > 0 && g > 0 && e * g - f * f > kParallel * e * g) E = e, F = f, G = g, det = e * g - f * f;
+    }
     const double bu = glm::dot(there.Su, r), bv = glm::dot(there.Sv, r);
-    const UV next = uv + UV((G * bu - F * bv) / det, (E * bv - F * bu) / det);
-    const TangentJet moved = at(c, next);
-    const double d = glm::length(moved.S - p);
-    if (!(d < least)) break;
-    const bool done = d > (1 - 1e-9) * least;  // what is left to gain is below that by far: the steps converge
-    least = d;
-    there = moved;
-    uv = next;
+    UV step((G * bu - F * bv) / det, (E * bv - F * bu) / det);
+    bool done = true;
+    for (int half = 0; half < kMostHalvings; ++half, step *= 0.5) {
+      const TangentJet moved = at(c, uv + step);
+      const double d = glm::length(moved.S - p);
+      if (!(d < least)) continue;
+      // What is left to gain is below that by far: the steps converge.
+      done = half == 0 && d > (1 - (i < kQuickSteps ? 1e-9 : 1e-14)) * least;
+      least = d;
+      there = moved;
+      uv += step;
+      break;
+    }
     if (done) break;
   }
   return uv;
@@ -169,25 +183,28 @@ ExactFaces::Foot ExactFaces::nearest(const Point3& p, std::uint32_t hint) const 
   if (on.triangle == TriangleTree::kNone) return foot;
   foot.triangle = on.triangle;
   const Corners c = corners_of(on.triangle);
-  const UV start = on.weights.x * c.uv[0] + on.weights.y * c.uv[1] + on.weights.z * c.uv[2];
-  TangentJet there = at(c, start), best = there;
+  const auto uv_of = [&](const Vec3& l) { return l.x * c.uv[0] + l.y * c.uv[1] + l.z * c.uv[2]; };
+  TangentJet best = at(c, uv_of(on.weights));
+  // Steps begin a little inside the triangle: at poles and apexes there are no tangents.
+  constexpr double kInside = 0.01;
+  const UV start = uv_of((1 - kInside) * on.weights + Vec3(kInside / 3));
+  TangentJet there = at(c, start);
   const UV uv = downhill(c, p, start, there);
 
   // Steps may lead out of the triangle, but not out of the face, farther than its mesh's border is off the true one.
   const Vec3 l = weights_in(c.uv, uv);
-  const auto& beside = beside_[on.triangle];
-  bool beyond = false, far = !(std::abs(l.x) < 2 && std::abs(l.y) < 2 && std::abs(l.z) < 2);
-  for (int k = 0; k < 3; ++k) beyond = beyond || (beside[static_cast<std::size_t>(k)] == TriangleTree::kNone && l[k] < 0);
-  const double allowed = std::max(faces_[face_of_[on.triangle]].bound, 0.0);
-  if (!far && beyond) {
-    const Vec3 inside = glm::max(l, Vec3(0.0)) / (std::max(l.x, 0.0) + std::max(l.y, 0.0) + std::max(l.z, 0.0));
-    const TangentJet edge = at(c, inside.x * c.uv[0] + inside.y * c.uv[1] + inside.z * c.uv[2]);
-    if (glm::length(edge.S - there.S) > allowed) {
-      far = true;
-      if (glm::length(edge.S - p) < glm::length(best.S - p)) best = edge;
-    }
+  const double allowed = faces_[face_of_[on.triangle]].bound;
+  bool inside = l.x >= 0 && l.y >= 0 && l.z >= 0;
+  if (!inside) {
+    const TriangleTree::Nearest under = tree_->nearest(there.S, on.triangle);
+    inside = under.distance <= allowed && face_of_[under.triangle] == face_of_[on.triangle];
   }
-  if (!far) best = there;
+  if (!inside && finite(l)) {
+    const Vec3 clamped = glm::max(l, Vec3(0.0));
+    there = at(c, uv_of(clamped / (clamped.x + clamped.y + clamped.z)));
+    inside = true;
+  }
+  if (inside && glm::length(there.S - p) < glm::length(best.S - p)) best = there;
   foot.point = best.S;
   foot.normal = normal(c, best);
   foot.distance = glm::length(best.S - p);

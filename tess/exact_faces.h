@@ -69,6 +69,7 @@ class ExactFaces {
 
  private:
   struct Place {
+    const Part* part;
     std::shared_ptr<const PartMesh> mesh;
     std::shared_ptr<const std::vector<SurfaceEval>> surfaces;  // of the part's faces
     Affine3 to_world, to_part;
@@ -77,6 +78,7 @@ class ExactFaces {
   struct Corners {
     const Place* place;
     const SurfaceEval* surface;
+    const AnySurface* exact;  // the same
     UV uv[3];
     bool turned;
   };

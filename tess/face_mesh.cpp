@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "tess/sample_grid.h"
+#include "tess/topology.h"
 #include "tess/triangulation.h"
 
 namespace iso {
@@ -420,9 +421,18 @@ class FaceMesher {
     }
   }
 
-  // Whether it is turned away from the mean of the surface's normals at its corners.
+  // Whether the surface has area where the triangle lies.
+  bool covers_area(const Corners& t) const {
+    const UV &a = node(t.v[0]).uv, ab = node(t.v[1]).uv - a, ac = node(t.v[2]).uv - a;
+    const TangentJet at = shape_.eval().at(a + (ab + ac) / 3.0);
+    const Vec3 side = at.Su * ab.x + at.Sv * ab.y, other = at.Su * ac.x + at.Sv * ac.y;
+    return !has_no_area(at.S, at.S + side, at.S + other);
+  }
+
+  // Whether it is turned away from the mean of the surface's normals at its corners, or toward no side at all.
   bool is_folded(const Corners& t) const {
     if (is_collapsed(t)) return false;
+    if (has_no_area(placed(t.v[0]), placed(t.v[1]), placed(t.v[2]))) return covers_area(t);
     Vec3 n = glm::cross(placed(t.v[1]) - placed(t.v[0]), placed(t.v[2]) - placed(t.v[0]));
     if (shape_.face().reversed) n = -n;
     return !(glm::dot(n, node(t.v[0]).normal + node(t.v[1]).normal + node(t.v[2]).normal) > 0);

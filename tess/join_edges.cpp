@@ -59,9 +59,11 @@ BoxTree<Vec3> tree_of_ends(const Pieces& pieces) {
 
 // An order that does not depend on the order of faces and edges in the file.
 bool lies_before(const EdgePiece& a, const EdgePiece& b) {
-  for (std::size_t k = 0; k < a.at.size(); k += kTraced / 2)
-    for (int axis = 0; axis < 3; ++axis)
-      if (a.at[k][axis] != b.at[k][axis]) return a.at[k][axis] < b.at[k][axis];
+  for (const int place : {0, 1, 2})
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto half = [&](const EdgePiece& p) { return p.at[(p.at.size() - 1) * static_cast<std::size_t>(place) / 2][axis]; };
+      if (half(a) != half(b)) return half(a) < half(b);
+    }
   return false;
 }
 
@@ -309,9 +311,9 @@ class Joiner {
 
   OpenBorder open_border(std::size_t i, const BoxTree<Vec3>& tree) const {
     const EdgePiece& piece = free_[i];
-    constexpr std::size_t kStep = 4;  // places left out
+    const std::size_t kept = (piece.at.size() - 1) / 8;  // of so many places one is looked at
     double width = 0;
-    for (std::size_t k = 0; k < piece.at.size() && width <= report_.looked; k += kStep) {
+    for (std::size_t k = 0; k < piece.at.size() && width <= report_.looked; k += kept) {
       double nearest = kInf;
       const Point3& p = piece.at[k];
       tree.for_each_touching(Box3{p, p}.inflated(report_.looked), [&](std::uint32_t j) {

@@ -21,6 +21,8 @@ constexpr double kMostReferenceTriangles = 1.5e6;
 constexpr double kSpacing = 1.0 / 96;  // of the diagonal, between samples
 constexpr double kUsual = 0.95;        // the share of triangles whose distances are taken for usual
 constexpr double kWellBeyond = 4;      // times the usual
+constexpr double kNothing = 1e-9;      // of the diagonal: distances that no use of a mesh can tell from none
+constexpr double kFlatArc = 0.3;       // of its length: an edge is at most this far from the arc between its ends that it stands for
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)); }
 
@@ -59,7 +61,9 @@ class SurfaceSource {
   }
   bool side_matters(std::size_t i, int k) const { return faces_->is_border(static_cast<std::uint32_t>(i), k); }
   double bound(std::size_t i, double near, double enough) const {
-    return cover_bound(*mesh_, of_mesh_->points, of_mesh_->triangles, corners(i), near, enough).bound + faces_->faces()[group(i)].bound;
+    // Our mesh may be farther than the surface it stands for.
+    const double off = faces_->faces()[group(i)].bound;
+    return cover_bound(*mesh_, of_mesh_->points, of_mesh_->triangles, corners(i), near + off, enough + off).bound + off;
   }
 
  private:
@@ -104,9 +108,8 @@ class MeshSource {
   }
   bool side_matters(std::size_t, int) const { return true; }
   double bound(std::size_t i, double near, double enough) const {
-    // Our mesh may be farther than the surface.
-    near += faces_->bound();
-    return cover_bound(faces_->tree(), faces_->points(), faces_->triangles(), corners(i), near, enough).bound + faces_->bound();
+    const double off = faces_->bound();
+    return cover_bound(faces_->tree(), faces_->points(), faces_->triangles(), corners(i), near + off, enough + off).bound + off;
   }
 
  private:
@@ -262,10 +265,15 @@ TriangleFinding Comparison::look_at(std::size_t t) const {
     });
   }
   found.inward = angle > kPi / 2;
-  for (std::uint32_t p : corners) {
-    const PointFinding& corner = points_[p];
-    if (faces_->face_of(corner.reference) == found.face && corner.normal != Vec3(0.0))
-      angle = std::max(angle, angle_between(n, corner.normal));
+  // Near the corners, where the surface bends away: over the triangle, not at them, where creases, poles and other faces begin.
+  for (int k = 0; k < 3 && !found.inward; ++k) {
+    constexpr double kNear = 0.9;
+    Vec3 l((1 - kNear) / 2);
+    l[k] = kNear;
+    const ExactFaces::Foot near = faces_->nearest(l.x * a + l.y * b + l.z * c, found.reference);
+    if (faces_->face_of(near.triangle) != found.face || near.normal == Vec3(0.0)) continue;
+    // A foot of another sheet of the same face says nothing of this one.
+    if (const double other = angle_between(n, near.normal); other <= kPi / 2) angle = std::max(angle, other);
   }
   found.angle = static_cast<float>(angle);
   return found;
@@ -300,9 +308,9 @@ void Comparison::measure_both_ways() {
   result_.all.to_mesh = found.back();
   done_ += 0.75;
 
-  // What is well beyond the usual of this mesh is a fault of its own.
-  const double least = std::max({faces_->bound(), faces_->gap(), 2 * mesh_.rounding});
-  far_ = kWellBeyond * std::max({usual, meter.usual(kUsual), least});
+  // What is well beyond the usual of this mesh is a fault of its own. What is usual is asked of the mesh: of the faces some may have none.
+  const double least = std::max({faces_->bound(), faces_->gap(), 2 * mesh_.rounding, kNothing * diagonal_});
+  far_ = kWellBeyond * std::max(usual, least);
   for (std::size_t f = 0; f < groups; ++f) missing_.push_back(meter.share_beyond(f, far_));
   std::vector<double> distances;
   for (const PointFinding& p : points_) distances.push_back(p.distance);
@@ -363,7 +371,7 @@ void Comparison::check_topology_and_gaps() {
     const auto k = static_cast<std::size_t>(edge.corner);
     const Point3 &a = mesh_.points[t[k]], &b = mesh_.points[t[(k + 1) % 3]];
     const bool is_free = !faces_->free_sides().empty() && ends.nearest(a).distance <= far_ && ends.nearest(b).distance <= far_ &&
-                         ends.nearest(0.5 * (a + b)).distance <= far_;
+                         ends.nearest(0.5 * (a + b)).distance <= std::max(far_, kFlatArc * glm::length(b - a));
     ++result_.faces[triangles_[edge.triangle].face].open_edges;
     if (is_free)
       ++result_.free_edges;

@@ -126,12 +126,15 @@ class Finder {
 
 void Finder::missing_faces() {
   constexpr double kMost = 0.5, kPart = 0.02;  // of a face's area
+  constexpr double kTwice = 2;                 // neighbours' triangles may be nearest to it
   constexpr std::size_t kNamed = 8;
   std::size_t named = 0, more = 0;
   for (std::size_t f = 0; f < in_.missing_shares.size(); ++f) {
-    const double share = in_.missing_shares[f];
+    // Of what is far from the mesh no triangles can lie on the face: a coarse mesh of a round face is far from it, but all of it is there.
+    const FaceComparison& face = measured_.faces[f];
+    const double share = std::min(in_.missing_shares[f], kTwice * (1 - face.covered / face.area));
     const bool part = share > kPart && !in_.cracks.empty();
-    if (share <= kMost && !part) continue;
+    if (!(share > kMost || part)) continue;
     if (named == kNamed) {
       ++more;
       continue;
@@ -164,7 +167,7 @@ void Finder::foreign_triangles() {
 }
 
 void Finder::turned() {
-  constexpr double kMost = 0.9, kHalf = 0.5;  // of an area
+  constexpr double kMost = 0.9;  // of an area
   if (measured_.all.inward > kMost * measured_.all.covered) {
     add(MeshFault::inside_out, 1,
         fmt::format("the mesh is inside out: the normals of {:.0f} % of its area look inward",
@@ -182,11 +185,12 @@ void Finder::turned() {
   for (std::size_t f = measured_.faces.size(); f-- > 0;) {
     const FaceComparison& face = measured_.faces[f];
     if (count[f] == 0) continue;
-    if (face.inward > kHalf * face.covered && named++ < kNamed) {
+    const bool all = face.inward > kMost * face.covered && 2 * count[f] > face.triangles;
+    if (all && named++ < kNamed) {
       add(MeshFault::turned_face, count[f],
           fmt::format("the triangles of {} are turned: {} of {} look inward", face_name(f), count[f], face.triangles), middle(first[f]),
           static_cast<std::int64_t>(f));
-    } else if (!(face.inward > kHalf * face.covered)) {
+    } else if (!all) {
       single += count[f];
       example = first[f];
     }

@@ -57,6 +57,7 @@ class Cover {
   int pieces() const { return pieces_; }
 
  private:
+  static constexpr double kLoose = 1.5;             // times the limit: worth another way
   static constexpr double kEnough = 1.01;           // times what is there: tight to this
   static constexpr int kMostDepth = 4;              // of quartering
   static constexpr std::size_t kMostNearby = 1024;  // triangles before one; with more it is quartered
@@ -81,6 +82,7 @@ class Cover {
     Polygon q;
   };
   Waiting judged(const Polygon& q);
+  void cover_all(const std::vector<std::uint32_t>& beside);
   double left_over();
 
   const TriangleTree& tree_;
@@ -251,6 +253,15 @@ double Cover::along(const Point3& a, const Point3& b, int depth) {
   return std::max(along(a, middle, depth + 1), along(middle, b, depth + 1));
 }
 
+// What lies before the nearby triangles, then what lies beside the sides of all.
+void Cover::cover_all(const std::vector<std::uint32_t>& beside) {
+  Region region;
+  for (std::uint32_t i : nearby_)
+    if (!open_.empty() && prism(i, region)) cover_with(region, i);
+  for (std::uint32_t i : beside)
+    if (!open_.empty() && slab(i, region)) cover_with(region, i);
+}
+
 double Cover::bound(const std::array<Point3, 3>& t, double near, int depth) {
   const Vec3 n = glm::cross(t[1] - t[0], t[2] - t[0]);
   double longest = 0;
@@ -260,7 +271,7 @@ double Cover::bound(const std::array<Point3, 3>& t, double near, int depth) {
   if (!(glm::length(n) > kThin * longest * longest)) return along(t[at], t[(at + 1) % 3], 0);
   // What is farther than this is no help: the bound would not be tight.
   const double rounding = 16 * kEps * (longest + std::max({std::abs(t[0].x), std::abs(t[0].y), std::abs(t[0].z)}));
-  const double reach = std::max(enough_, 2 * near + kThin * longest + rounding);
+  const double reach = std::max(enough_, near) + kThin * longest + rounding;
   Box3 box;
   for (const Point3& p : t) box.include(p);
   nearby_.clear();
@@ -277,18 +288,19 @@ double Cover::bound(const std::array<Point3, 3>& t, double near, int depth) {
   std::erase_if(nearby_, [&](std::uint32_t i) { return !prism(i, region); });
   if (nearby_.size() > kMostNearby && depth < kMostDepth) return quartered(t, near, depth);
   open_.assign(1, whole_);
-  limit_ = kEnough * reach;
-  for (std::uint32_t i : nearby_) {
-    if (open_.empty()) break;
-    prism(i, region);
-    cover_with(region, i);
+  limit_ = kEnough * std::max(enough_, rounding + kThin * longest);
+  cover_all(all);
+  if (open_.empty()) return most_;
+  const std::vector<Polygon> rest = open_;
+  const double tight = std::max(most_, left_over());
+  if (tight <= kLoose * limit_) return tight;
+  // Pieces before triangles that are somewhat farther, then.
+  open_ = rest;
+  for (int i = 0; i < 2 && !open_.empty(); ++i) {
+    limit_ *= kLoose;
+    cover_all(all);
   }
-  for (std::uint32_t i : all) {
-    if (open_.empty()) break;
-    if (slab(i, region)) cover_with(region, i);
-  }
-  const double covered = most_;
-  return open_.empty() ? covered : std::max(covered, left_over());
+  return std::min(tight, open_.empty() ? most_ : std::max(most_, left_over()));
 }
 
 }  // namespace

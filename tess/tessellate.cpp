@@ -98,6 +98,7 @@ class PartMesher {
         if (boundary_.edges[e].degenerate) continue;
         const auto& points = net_->edge(static_cast<int>(e)).point;
         for (std::uint32_t i = 0; i + 1 < points.size(); ++i) {
+          if (points[i] == points[i + 1]) continue;  // where the edge is a point in space along a part of its length
           const EdgeSegment at{static_cast<int>(e), i};
           const auto [known, is_new] = seen.try_emplace(side_of(points[i], points[i + 1]), at);
           if (is_new) continue;

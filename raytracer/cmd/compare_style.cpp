@@ -78,7 +78,7 @@ details[open] { padding-bottom: .8rem; }
 figure { margin: 0; min-width: 0; }
 figcaption strong { color: var(--ink); font-weight: 600; }
 figcaption { font-size: .9rem; color: var(--soft); margin-top: .35rem; }
-.file { overflow-wrap: anywhere; }
+.file { display: inline-block; max-width: 100%; overflow-wrap: anywhere; }
 .gallery .large { grid-column: 1 / -1; max-width: 60rem; }
 .enlarge { font: inherit; color: var(--link); background: none; border: 0; padding: 0; text-decoration: underline; cursor: pointer; }
 .pictures { border: 0; padding: 0; }

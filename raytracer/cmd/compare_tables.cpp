@@ -199,7 +199,8 @@ std::string mesh_section(const CompareReport& report) {
   return text + "</div>\n" + mesh_table(report) +
          "<p class=\"soft\">Found: attained at a point. Proven: no point of the mesh is farther from the surface and no point of the "
          "surface "
-         "farther from the mesh, right to the error stated below it.</p>\n</section>\n";
+         "farther from the mesh, right to the error stated below it. This proof takes any mesh and knows nothing of how it was made; the "
+         "promise of the mesh's maker, where there is one, rests on that and is often closer.</p>\n</section>\n";
 }
 
 std::string image_section(const CompareReport& report) {

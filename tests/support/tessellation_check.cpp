@@ -1,5 +1,6 @@
 #include "tests/support/tessellation_check.h"
 
+#include <array>
 #include <map>
 
 #include "tess/boundary.h"
@@ -98,16 +99,21 @@ class Checker {
   }
 
   static double distance_to_curve(const Face& face, const TrimCurve& c, const Point3& p) {
-    constexpr int kSteps = 64, kHalvings = 40;
+    constexpr int kSteps = 512, kHalvings = 40;  // curves may stand still along some of their length
     const auto distance = [&](double s) { return glm::length(point(face.surface, jet(c.curve, c.t0 + (c.t1 - c.t0) * s).C) - p); };
-    double best = 0, least = distance(0);
-    for (int i = 1; i <= kSteps; ++i)
-      if (const double d = distance(double(i) / kSteps); d < least) least = d, best = double(i) / kSteps;
-    double step = 1.0 / kSteps;
-    for (int i = 0; i < kHalvings; ++i, step *= 0.5)
-      for (const double s : {best - step, best + step})
-        if (const double d = distance(std::clamp(s, 0.0, 1.0)); d < least) least = d, best = std::clamp(s, 0.0, 1.0);
-    return least;
+    std::array<double, kSteps + 1> at;
+    for (int i = 0; i <= kSteps; ++i) at[static_cast<std::size_t>(i)] = distance(double(i) / kSteps);
+    // Downhill from each place that is lower than its neighbours: a closed curve comes back to where it starts.
+    double nearest = kInf;
+    for (std::size_t k = 0; k <= kSteps; ++k) {
+      if ((k > 0 && at[k - 1] < at[k]) || (k < kSteps && at[k + 1] < at[k])) continue;
+      double best = double(k) / kSteps, least = at[k], step = 1.0 / kSteps;
+      for (int i = 0; i < kHalvings; ++i, step *= 0.5)
+        for (const double s : {best - step, best + step})
+          if (const double d = distance(std::clamp(s, 0.0, 1.0)); d < least) least = d, best = std::clamp(s, 0.0, 1.0);
+      nearest = std::min(nearest, least);
+    }
+    return nearest;
   }
 
   // Whether the model itself runs an edge twice in one direction.
