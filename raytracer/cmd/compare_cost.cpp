@@ -1,7 +1,10 @@
 #include "raytracer/cmd/compare_cost.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 
 #include "raytracer/sampling.h"
 
@@ -63,6 +66,14 @@ ReportCost cost_of(const Tracer& tracer, const Camera& camera, const ImageSize& 
   std::vector<Hit> bounced;
   cost.bounce_rate = rate_of(tracer, bounce, bounced);
   return cost;
+}
+
+std::string machine_text(int threads) {
+  std::ifstream info("/proc/cpuinfo");
+  std::string processor;
+  for (std::string line; processor.empty() && std::getline(info, line);)
+    if (line.starts_with("model name")) processor = line.substr(std::min(line.size(), line.find(':') + 2)) + ", ";
+  return fmt::format("{}{} thread{}", processor, threads, threads == 1 ? "" : "s");
 }
 
 }  // namespace iso

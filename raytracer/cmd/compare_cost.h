@@ -10,4 +10,7 @@ namespace iso {
 // medians of some rounds. `tessellate_seconds` stays 0.
 ReportCost cost_of(const Tracer& tracer, const Camera& camera, const ImageSize& size);
 
+// Where it was measured: "AMD EPYC, 2 threads"; the processor is left out where the system does not tell it.
+std::string machine_text(int threads);
+
 }  // namespace iso

@@ -166,7 +166,11 @@ std::string picture_section(const CompareReport& report) {
 std::string chart_section(const CompareReport& report) {
   const std::string text = triangle_chart(report) + time_chart(report) + memory_chart(report);
   if (text.empty()) return {};
-  return "<section id=\"charts\">\n<h2>Error against effort</h2>\n<div class=\"charts\">\n" + text + "</div>\n</section>\n";
+  const std::string slope =
+      report.slope == 0 ? ""
+                        : "<p class=\"soft\">Slope of error (root mean square) against width of the triangles, both as logarithms: " +
+                              shown(report.slope) + ". Flat triangles have 2.</p>\n";
+  return "<section id=\"charts\">\n<h2>Error against effort</h2>\n<div class=\"charts\">\n" + text + "</div>\n" + slope + "</section>\n";
 }
 
 }  // namespace iso

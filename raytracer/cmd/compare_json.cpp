@@ -49,10 +49,10 @@ Json json_of(const std::vector<ReportPicture>& pictures) {
 
 Json json_of(const ReportCost& cost) {
   return {{"tessellate_seconds", positive_or_null(cost.tessellate_seconds)},
-          {"build_seconds", cost.build_seconds},
+          {"build_seconds", positive_or_null(cost.build_seconds)},
           {"primary_rate", positive_or_null(cost.primary_rate)},
           {"bounce_rate", positive_or_null(cost.bounce_rate)},
-          {"bytes", cost.bytes}};
+          {"bytes", cost.bytes > 0 ? Json(cost.bytes) : Json()}};
 }
 
 Json json_of(const ReportImages& images) {
@@ -148,6 +148,7 @@ Json mesh_json(const CompareReport& report, const ReportMesh& mesh) {
             {"verdict", mesh.verdict},
             {"points", mesh.points},
             {"triangles", mesh.triangles},
+            {"width", positive_or_null(mesh.width)},
             {"faults", faults_json(c)},
             {"distance",
              {{"max", d.max},
@@ -223,6 +224,7 @@ std::string compare_json(const CompareReport& report) {
                   {"verdict", report.verdict},
                   {"advice", text_or_null(report.advice)},
                   {"failures", report.failures},
+                  {"slope", report.slope == 0 ? Json() : Json(report.slope)},
                   {"camera",
                    {{"view", report.view},
                     {"width", report.size.width},

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "raytracer/camera.h"
 #include "raytracer/sampling.h"
 #include "raytracer/shading.h"
@@ -65,6 +67,9 @@ Status check_request(const CompareOptions& options) {
   if (options.pixels && options.flip) return bad_option("--pixels and --flip: expected one of them");
   if (options.flip && options.no_pictures) return bad_option("--flip needs the pictures that --no-pictures leaves out");
   if (options.mesh_unit && options.meshes.empty()) return bad_option("--mesh-unit needs --mesh");
+  for (const auto& [value, name] :
+       {std::pair{options.pixels, "--pixels"}, {options.flip, "--flip"}, {options.fail_normal, "--fail-normal"}})
+    if (value && !std::isfinite(*value)) return bad_option(fmt::format("{}: found {}, expected a positive number", name, *value));
   for (const auto& [text, name] : {std::pair{options.reference, "--reference"}, {options.fail_above, "--fail-above"}})
     if (text)
       if (const auto length = tolerance_named(*text, name); !length) return length.error();

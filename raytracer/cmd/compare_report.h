@@ -51,6 +51,7 @@ struct ReportMesh {
   std::optional<double> guaranteed;  // ours: the tessellator's own bound, with the edges' gap
   std::vector<std::string> broken;   // ours: promises not kept
   std::uint64_t points = 0, triangles = 0;
+  double width = 0;  // ours: of the triangles on curved faces, compare_slope.h; 0: unknown
   MeshComparison comparison;
   std::string verdict;             // a sentence
   std::vector<std::string> notes;  // of a foreign mesh: what its reader mended or left out
@@ -72,7 +73,8 @@ struct CompareReport {
   double pixel = 0;                   // world units a pixel at the middle of the model
   std::string verdict;                // a sentence: the first mesh that fails, or the coarsest that keeps its promise
   std::string advice;                 // of --advise; may be empty
-  std::vector<std::string> failures;  // of --fail-above and its like
+  std::vector<std::string> failures;  // limits and promises that are not kept, meshes that do not stand where the model is
+  double slope = 0;                   // of error against width, of our meshes; 0: unknown
   ReportCost direct;
   std::vector<ReportPicture> pictures;  // of the exact surface
   std::vector<ReportLegend> legends;

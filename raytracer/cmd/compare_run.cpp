@@ -8,7 +8,7 @@
 #include "raytracer/cmd/command.h"
 #include "raytracer/cmd/compare_cost.h"
 #include "raytracer/cmd/compare_pictures.h"
-#include "raytracer/cmd/interrupt.h"
+#include "raytracer/cmd/compare_slope.h"
 #include "raytracer/cmd/mesh_report.h"
 #include "raytracer/cmd/scene_view.h"
 
@@ -16,6 +16,10 @@ namespace iso {
 namespace {
 
 constexpr int kSteps = 1000;  // of the progress of one mesh
+
+// Thrown by what hears of the progress, through the work that tells of it.
+struct Interrupted {};
+Error interrupted_error() { return {Exit::interrupted, {}, {}, "interrupted; the report is not written"}; }
 
 struct UnitLength {
   const char* name;
@@ -66,6 +70,11 @@ CompareRun::CompareRun(const CompareOptions& options, int threads)
     : options_(options), threads_(threads), progress_(options.quiet ? "none" : options.progress, "steps") {}
 CompareRun::~CompareRun() = default;
 
+void CompareRun::go_on(int done, int all) {
+  if (interrupt_.flag()) throw Interrupted{};
+  progress_.update(done, all);
+}
+
 Result<double> CompareRun::length(const std::string& text, const char* option) const {
   return in_units(*tolerance_named(text, option), report_.diagonal, report_.unit, option);
 }
@@ -86,6 +95,7 @@ Status CompareRun::load() {
   for (const Placed& placed : scene.placed) scene_->parts.push_back({placed.part.get(), placed.to_world});
 
   report_.version = kVersion;
+  report_.machine = machine_text(threads_);
   report_.model = options_.input;
   report_.unit = scene_->loaded.unit;
   report_.diagonal = scene.box().diagonal();
@@ -103,6 +113,28 @@ Status CompareRun::load() {
     }
   }
   return Done{};
+}
+
+// Lengths that have no meaning for this model and meshes that cannot be read are told before any long work.
+Status CompareRun::check_request() {
+  const auto tolerances = tolerances_of(options_);
+  if (!tolerances) return tolerances.error();
+  tolerances_ = *tolerances;
+  for (const Tolerance& tolerance : tolerances_)
+    if (const auto found = in_units(tolerance, report_.diagonal, report_.unit, "--tolerances"); !found) return found.error();
+  if (options_.reference) {
+    const auto reference = length(*options_.reference, "--reference");
+    if (!reference) return reference.error();
+    reference_ = *reference;
+  }
+  if (options_.mesh_unit && !metres_of(report_.unit))
+    return Error{Exit::bad_command_line, options_.input, {}, "--mesh-unit: the model's own unit is not known"};
+  for (const std::string& path : options_.meshes) {
+    auto mesh = read_mesh(path);
+    if (!mesh) return mesh.error();
+    meshes_.push_back(std::move(*mesh));
+  }
+  return fail_limits();
 }
 
 Status CompareRun::fail_limits() {
@@ -140,8 +172,7 @@ Status CompareRun::start_pictures() {
                       : height * std::abs(glm::dot(exact.scene().box().middle() - camera.position, camera.back));
   if (options_.no_pictures) return Done{};
   report_.direct = cost_of(exact, camera, settings.size);
-  const InterruptGuard interrupt;
-  auto direct = picture_direct(exact, settings, {interrupt.flag(), {}});
+  auto direct = picture_direct(exact, settings, {interrupt_.flag(), {}});
   if (!direct) return direct.error();
   if (const auto kept = (*keep_)({direct->file.picture.file, direct->file.exr}); !kept) return kept;
   report_.pictures.push_back(direct->file.picture);
@@ -166,8 +197,7 @@ Status CompareRun::add_pictures(ReportMesh& mesh, const ForeignMesh& triangles, 
     const Vec3 m = glm::cross(triangles.points[t[1]] - triangles.points[t[0]], triangles.points[t[2]] - triangles.points[t[0]]);
     return m == Vec3(0.0) || n == Vec3(0.0) ? std::nan("") : std::atan2(glm::length(glm::cross(n, m)), glm::dot(n, m));
   };
-  const InterruptGuard interrupt;
-  auto pictures = pictures_of(shown, *scene_->exact, *scene_->direct, scene_->pictures, {interrupt.flag(), {}});
+  auto pictures = pictures_of(shown, *scene_->exact, *scene_->direct, scene_->pictures, {interrupt_.flag(), {}});
   if (!pictures) return pictures.error();
   mesh.images = pictures->images;
   for (PictureFile& file : pictures->files) {
@@ -180,15 +210,11 @@ Status CompareRun::add_pictures(ReportMesh& mesh, const ForeignMesh& triangles, 
 Status CompareRun::compare(ReportMesh& mesh, const ForeignMesh& triangles, const TraceScene& scene, bool pictures) {
   ComparisonSettings settings;
   settings.unit = report_.unit;
-  if (options_.reference) {
-    const auto reference = length(*options_.reference, "--reference");
-    if (!reference) return reference.error();
-    settings.reference = *reference;
-  }
+  settings.reference = reference_;
   mesh.points = triangles.points.size();
   mesh.triangles = triangles.triangles.size();
-  mesh.comparison = compare_mesh(scene_->parts, triangles, settings,
-                                 [this](double share) { progress_.update(static_cast<int>(share * kSteps), kSteps); });
+  mesh.comparison =
+      compare_mesh(scene_->parts, triangles, settings, [this](double share) { go_on(static_cast<int>(share * kSteps), kSteps); });
   progress_.finish();
   if (pictures && !options_.no_pictures)
     if (const auto added = add_pictures(mesh, triangles, scene); !added) return added;
@@ -207,7 +233,7 @@ Status CompareRun::compare_ours(const Tolerance& tolerance, bool pictures) {
   MeshRequest request;
   request.tolerance = tolerance;
   request.tolerance_name = "--tolerances";
-  const auto figures = tessellate_scene(meshed, request, [this](int done, int all) { progress_.update(done, all); });
+  const auto figures = tessellate_scene(meshed, request, [this](int done, int all) { go_on(done, all); });
   progress_.finish();
   if (!figures) return figures.error();
   ReportMesh mesh;
@@ -218,33 +244,31 @@ Status CompareRun::compare_ours(const Tolerance& tolerance, bool pictures) {
   mesh.guaranteed = totals.bound + totals.offset;
   mesh.broken = broken_promises(*figures);
   mesh.cost.tessellate_seconds = figures->mesh_seconds;
+  mesh.width = mean_width(meshed.scene);
   const ForeignMesh triangles = mesh_of(meshed.scene);
   if (triangles.triangles.empty())
     return Error{Exit::promise_not_kept, options_.input, {}, fmt::format("{}: no face could be meshed", mesh.label)};
   return compare(mesh, triangles, meshed.scene, pictures);
 }
 
-Status CompareRun::compare_theirs(const std::string& path) {
-  auto triangles = read_mesh(path);
-  if (!triangles) return triangles.error();
+Status CompareRun::compare_theirs(ForeignMesh triangles) {
   ReportMesh mesh;
-  mesh.file = path;
-  mesh.label = std::filesystem::path(path).filename().string();
-  mesh.notes = triangles->notes;
+  mesh.file = triangles.file;
+  mesh.label = std::filesystem::path(triangles.file).filename().string();
+  mesh.notes = triangles.notes;
   // What is known of both units is undone; what is not shows as a fault.
-  const auto from = metres_of(options_.mesh_unit.value_or(triangles->unit)), to = metres_of(report_.unit);
-  if (options_.mesh_unit && !to) return Error{Exit::bad_command_line, options_.input, {}, "--mesh-unit: the model's own unit is not known"};
+  const std::string unit = options_.mesh_unit.value_or(triangles.unit);
+  const auto from = metres_of(unit), to = metres_of(report_.unit);
   if (from && to && *from != *to) {
-    for (Point3& p : triangles->points) p *= *from / *to;
-    triangles->rounding *= *from / *to;
-    mesh.notes.push_back(
-        fmt::format("coordinates taken as {} and turned into {}", options_.mesh_unit.value_or(triangles->unit), report_.unit));
+    for (Point3& p : triangles.points) p *= *from / *to;
+    triangles.rounding *= *from / *to;
+    mesh.notes.push_back(fmt::format("coordinates taken as {} and turned into {}", unit, report_.unit));
   }
   TraceScene scene;
-  scene.placed.push_back(placed_foreign(*triangles));
+  scene.placed.push_back(placed_foreign(triangles));
   scene.mesh_shading = MeshShading::flat;
   paint_evenly(scene);
-  return compare(mesh, *triangles, scene, true);
+  return compare(mesh, triangles, scene, true);
 }
 
 // From coarse to fine, until one keeps what was asked for.
@@ -252,10 +276,14 @@ Status CompareRun::advise() {
   constexpr double kLadder[] = {1e-1, 5e-2, 2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6};
   const double pixels = options_.pixels.value_or(0.5);
   for (const double share : kLadder) {
+    const std::size_t failures = report_.failures.size();
     if (const auto done = compare_ours({share, ToleranceUnit::diagonal}, options_.flip.has_value()); !done) return done;
     const ReportMesh& mesh = report_.meshes.back();
     const double off = mesh.comparison.all.worst() / report_.pixel;
-    if (options_.flip ? mesh.images.flip_ldr > *options_.flip : !(off <= pixels)) continue;
+    if (options_.flip ? mesh.images.flip_ldr > *options_.flip : !(off <= pixels)) {
+      report_.failures.resize(failures);  // of a mesh that is not advised
+      continue;
+    }
     const std::string length = length_text(mesh.tolerance, report_.unit);
     report_.advice =
         options_.flip
@@ -269,19 +297,30 @@ Status CompareRun::advise() {
   return Done{};
 }
 
+Status CompareRun::compare_all() {
+  if (const auto loaded = load(); !loaded) return loaded;
+  if (const auto checked = check_request(); !checked) return checked;
+  if (interrupt_.flag()) return interrupted_error();
+  if (const auto started = start_pictures(); !started) return started;
+  for (const Tolerance& tolerance : tolerances_)
+    if (const auto done = compare_ours(tolerance, true); !done) return done;
+  for (ForeignMesh& mesh : meshes_)
+    if (const auto done = compare_theirs(std::move(mesh)); !done) return done;
+  return options_.advise ? advise() : Status(Done{});
+}
+
 Result<CompareReport> CompareRun::run(const std::function<Status(const ReportFile&)>& keep) {
   keep_ = &keep;
-  if (const auto loaded = load(); !loaded) return loaded.error();
-  if (const auto limits = fail_limits(); !limits) return limits.error();
-  if (const auto started = start_pictures(); !started) return started.error();
-  const auto tolerances = tolerances_of(options_);
-  if (!tolerances) return tolerances.error();
-  for (const Tolerance& tolerance : *tolerances)
-    if (const auto done = compare_ours(tolerance, true); !done) return done.error();
-  for (const std::string& path : options_.meshes)
-    if (const auto done = compare_theirs(path); !done) return done.error();
-  if (options_.advise)
-    if (const auto done = advise(); !done) return done.error();
+  try {
+    if (const auto done = compare_all(); !done) {
+      progress_.finish();
+      return done.error().kind == Exit::interrupted ? interrupted_error() : done.error();
+    }
+  } catch (const Interrupted&) {
+    progress_.finish();
+    return interrupted_error();
+  }
+  report_.slope = slope_of(report_);
   report_.verdict = verdict_of_all(report_);
   return std::move(report_);
 }

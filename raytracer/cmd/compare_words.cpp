@@ -38,8 +38,10 @@ std::string verdict_of(const ReportMesh& mesh, const CompareReport& report) {
   const double worst = c.all.worst(), bound = std::max(c.all.to_surface.bound, c.all.to_mesh.bound);
   std::string text = fmt::format("{}, true distance {}", start, length_text(worst, report.unit));
   if (c.worst_face >= 0 && worst > 0) text += " at " + face_text(report, c.worst_face);
-  if (!mesh.ours && mesh.label != mesh.file && report.diagonal > 0) text += fmt::format(" ({:.2g} diagonals)", worst / report.diagonal);
-  text += fmt::format(", at most {}", length_text(mesh.guaranteed ? std::min(bound, *mesh.guaranteed) : bound, report.unit));
+  if (!mesh.ours && report.diagonal > 0) text += fmt::format(" ({:.2g} diagonals)", worst / report.diagonal);
+  // Bounds leave the rounding of the coordinates out.
+  text +=
+      fmt::format(", at most {}", length_text(std::max(worst, mesh.guaranteed ? std::min(bound, *mesh.guaranteed) : bound), report.unit));
   if (!mesh.pictures.empty())
     text += fmt::format("; {} silhouette pixel{} at {} x {}", counted(mesh.images.silhouette_pixels),
                         mesh.images.silhouette_pixels == 1 ? " differs" : "s differ", report.size.width, report.size.height);
@@ -76,7 +78,8 @@ std::vector<std::string> failures_of(const ReportMesh& mesh, const CompareReport
 
 std::string verdict_of_all(const CompareReport& report) {
   if (!report.failures.empty()) return report.failures.front();
-  return report.meshes.empty() ? "nothing was compared" : report.meshes.front().verdict;
+  if (report.meshes.empty()) return "nothing was compared";
+  return report.advice.empty() ? report.meshes.front().verdict : report.meshes.back().verdict;
 }
 
 }  // namespace iso

@@ -21,7 +21,7 @@ std::string verdict_of(const ReportMesh& mesh, const CompareReport& report);
 // What fails, a line each: limits, meshes that do not stand where the model is, promises of our own that are not kept.
 std::vector<std::string> failures_of(const ReportMesh& mesh, const CompareReport& report, const FailLimits& limits);
 
-// Of all meshes: the first that fails, or the first.
+// Of all meshes: the first that fails, or the advised one, or the first.
 std::string verdict_of_all(const CompareReport& report);
 
 }  // namespace iso
