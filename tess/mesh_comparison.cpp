@@ -78,7 +78,7 @@ class Comparison {
   std::vector<OpenEdge> cracks_;
   std::vector<float> nearest_of_triangle_;
   std::vector<double> missing_;
-  double usual_point_ = 0, far_ = 0, far_point_ = 0;
+  double usual_middle_ = 0, usual_point_ = 0, far_ = 0, far_point_ = 0;
   MeshComparison result_;
 };
 
@@ -120,12 +120,14 @@ void Comparison::choose_reference() {
   diagonal_ = stretch_of(parts_[0].to_world) * box.diagonal();
   if (settings_.reference > 0) {
     faces_ = std::make_unique<ExactFaces>(parts_, settings_.reference);
+    usual_middle_ = rough_distance();
     return;
   }
   const double first = kFirstReference * diagonal_;
   faces_ = std::make_unique<ExactFaces>(parts_, first);
+  usual_middle_ = rough_distance();
   // Triangles grow as one over the distance.
-  const double wanted = std::max(kShareOfDistance * rough_distance(), kFinestReference * diagonal_);
+  const double wanted = std::max(kShareOfDistance * usual_middle_, kFinestReference * diagonal_);
   const double affordable = first * static_cast<double>(faces_->triangles().size()) / kMostReferenceTriangles;
   const double next = std::max(wanted, affordable);
   if (next < 0.7 * first) faces_ = std::make_unique<ExactFaces>(parts_, next);
@@ -167,12 +169,15 @@ TriangleFinding Comparison::look_at(std::size_t t) const {
   if (has_no_area(a, b, c)) return found;
   double angle = foot.normal == Vec3(0.0) ? 0.0 : angle_between(n, foot.normal);
   if (angle > kPi / 2) {
-    // At sharp edges and in thin walls another sheet may be as near: what is turned contradicts all of them.
+    // At sharp edges and in walls thinner than what is usual for the mesh it may stand for another sheet: what is turned contradicts all.
     const Point3 middle = (a + b + c) / 3.0;
-    faces_->tree().for_each_touching(Box3{middle, middle}.inflated(foot.distance + 2 * faces_->bound()), [&](std::uint32_t i) {
+    const double reach = std::max(foot.distance, usual_middle_) + 2 * faces_->bound();
+    faces_->tree().for_each_touching(Box3{middle, middle}.inflated(reach), [&](std::uint32_t i) {
       const TriangleTree::Nearest near = faces_->tree().on(i, middle);
-      if (near.distance > foot.distance + 2 * faces_->bound()) return;
+      if (near.distance > reach) return;
       const double other = angle_between(n, faces_->lifted(i, near.weights).normal);
+      // A neighbour over a sharp edge is no such sheet.
+      if (near.distance > foot.distance + 2 * faces_->bound() && other > kPi / 3) return;
       if (other < angle) angle = other, found.face = faces_->face_of(i);
     });
   }

@@ -34,7 +34,7 @@ struct FaceComparison {
   double area = 0, covered = 0;            // of the face, and of those triangles
   double inward = 0;                       // the area of those of them that show their back outside
   OneSided to_surface, to_mesh;            // of those triangles from the faces; of the face from the mesh
-  double worst_angle = 0, mean_angle = 0;  // radians, between the triangles and the surface under them
+  double worst_angle = 0, mean_angle = 0;  // radians, between the triangles and the surface under their middles and near their corners
   Point3 worst_angle_at{0.0};
   TriangleShapes shapes;
   std::uint64_t open_edges = 0;

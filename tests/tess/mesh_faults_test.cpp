@@ -227,7 +227,7 @@ TEST(MeshFaults, DoubledAndDeletedTrianglesAreNamed) {
 
 TEST(MeshFaults, SizeUnitAndPlaceAreNamed) {
   for (const char* file : {"axom-sliced-cylinder.step", "occt-screw.step"}) {
-    const Sound sound(file, 1e-2);
+    const Sound sound(file, 1e-3);
     ASSERT_EQ(sound.model->unit, "mm");
     const auto only = [&](const Affine3& by) {
       const auto faults = sound.faults(moved(sound.mesh, by));
