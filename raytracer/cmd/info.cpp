@@ -1,9 +1,11 @@
-// `isophote info FILE`: what is in a model.
+// `isophote info FILE`: what is in a model or a mesh.
 #include <memory>
 
 #include "patches/io/model_info.h"
+#include "patches/io/read_mesh.h"
 #include "patches/io/read_model.h"
 #include "raytracer/cmd/command.h"
+#include "raytracer/cmd/mesh_info.h"
 
 namespace iso {
 namespace {
@@ -13,13 +15,25 @@ struct Options {
   bool json = false;
 };
 
-Exit info(const Options& options) {
+// The text to be printed.
+Result<std::string> told(const Options& options) {
+  if (is_mesh_file(options.file)) {
+    const auto mesh = read_mesh(options.file);
+    if (!mesh) return mesh.error();
+    const MeshInfo described = describe(*mesh);
+    return options.json ? to_json(described) : to_text(described);
+  }
   const auto model = read_model(options.file);
-  if (!model) return fail(model.error());
+  if (!model) return model.error();
   const ModelInfo described = describe(*model);
-  std::string text = options.json ? to_json(described) : to_text(described);
-  if (text.empty() || text.back() != '\n') text += '\n';
-  const auto written = write_stdout(text);
+  return options.json ? to_json(described) : to_text(described);
+}
+
+Exit info(const Options& options) {
+  auto text = told(options);
+  if (!text) return fail(text.error());
+  if (text->empty() || text->back() != '\n') *text += '\n';
+  const auto written = write_stdout(*text);
   return written ? Exit::done : fail(written.error());
 }
 
@@ -27,8 +41,8 @@ Exit info(const Options& options) {
 
 void add_info_command(CLI::App& app, Exit& exit) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("info", "what is in a model: faces, units, box, edges, problems");
-  command->add_option("FILE", options->file, "STEP, IGES, BREP, OBJ or BPT file")->required();
+  CLI::App* command = app.add_subcommand("info", "what is in a model: faces, units, box, edges, problems; or in a mesh");
+  command->add_option("FILE", options->file, "STEP, IGES, BREP, OBJ or BPT file; or a mesh: STL, OBJ, PLY or glTF")->required();
   command->add_flag("--json", options->json, "as JSON");
   command->callback([options, &exit] { exit = info(*options); });
 }

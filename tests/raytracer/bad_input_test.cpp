@@ -57,6 +57,9 @@ class BadInput : public testing::Test {
   void refused_by_info(const std::string& model, const std::string& part) {
     expect_refusal(run_isophote({"info", model}), Exit::bad_input, model, part);
   }
+  void refused_by_hit(const std::string& model, const std::string& part) {
+    expect_refusal(run_isophote({"hit", model}, "0 0 0 1 0 0\n"), Exit::bad_input, model, part);
+  }
   // Readable in part: what could not be used is told.
   void read_with_report(const std::string& model, const std::string& part) {
     ++checked_;
@@ -102,9 +105,9 @@ TEST_F(BadInput, EmptyFilesAndRandomBytesUnderEveryName) {
 }
 
 TEST_F(BadInput, FilesOfOtherKindsAreNamed) {
-  refused_by_info(write("mesh.stl", "solid x\n facet normal 0 0 1\n"), "an STL mesh");
+  refused_by_hit(write("mesh.stl", "solid x\n facet normal 0 0 1\n"), "an STL mesh");
   refused_by_info(write("packed.step", std::string("PK\x03\x04....", 8)), "a zip archive");
-  refused_by_info(write("polygons.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "free-form");
+  refused_by_hit(write("polygons.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "free-form");
   expect_checked(3);
 }
 
