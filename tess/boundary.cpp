@@ -265,11 +265,12 @@ void compact(Boundary& boundary) {
 
 }  // namespace
 
-Boundary::Boundary(const Part& part, double sew) {
+Boundary::Boundary(const Part& part, double sew, const std::vector<int>& copy_of) {
   std::vector<int> of_part_edge(part.edges.size(), -1);
   for (std::size_t f = 0; f < part.faces.size(); ++f) {
     const Face& face = part.faces[f];
     loops.emplace_back();
+    if (!copy_of.empty() && copy_of[f] >= 0) continue;
     if (face.loops.empty()) add_sides(part, static_cast<int>(f), *this);
     for (const TrimLoop& loop : face.loops) {
       std::vector<int> indices;

@@ -37,8 +37,8 @@ struct Boundary {
 
   JoinReport joins;
 
-  // `sew`: see join_edges.
-  explicit Boundary(const Part& part, double sew = 0);
+  // `sew`: see join_edges. Faces whose `copy_of` is not negative are left out: they have no loops.
+  explicit Boundary(const Part& part, double sew = 0, const std::vector<int>& copy_of = {});
 };
 
 // The parameter of the use's curve at a share of its range, in the edge's direction.

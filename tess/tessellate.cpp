@@ -8,6 +8,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "tess/copied_faces.h"
 #include "tess/face_mesh.h"
 #include "tess/orient.h"
 
@@ -29,7 +30,11 @@ Side side_of(std::uint32_t a, std::uint32_t b) { return (static_cast<Side>(std::
 
 class PartMesher {
  public:
-  PartMesher(const Part& part, const TessellationOptions& options) : part_(part), options_(options), boundary_(part, options.sew) {
+  PartMesher(const Part& part, const TessellationOptions& options)
+      : part_(part),
+        options_(options),
+        copy_of_(options.copies == Copies::MeshOnce ? copied_faces(part) : std::vector<int>(part.faces.size(), -1)),
+        boundary_(part, options.sew, copy_of_) {
     std::vector<std::optional<FaceShape>> shapes(part.faces.size());
     tbb::parallel_for(std::size_t{0}, shapes.size(), [&](std::size_t f) { shapes[f].emplace(part.faces[f], options.distance); });
     shapes_.reserve(shapes.size());
@@ -185,7 +190,7 @@ class PartMesher {
       for (const Triangle& t : face.triangles) mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
       mesh.first_node.push_back(static_cast<std::uint32_t>(mesh.nodes.size()));
       mesh.first_triangle.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
-      result.faces.push_back(report_of(face));
+      result.faces.push_back(report_of(face, copy_of_[f]));
       face = {};
     }
     add_free_sides(number, result.free_sides);
@@ -208,8 +213,10 @@ class PartMesher {
     std::sort(sides.begin(), sides.end());
   }
 
-  static FaceReport report_of(const FaceMesh& face) {
+  static FaceReport report_of(const FaceMesh& face, int copy_of) {
     FaceReport report;
+    report.copy_of = copy_of;
+    if (copy_of >= 0) return report;
     report.bound = face.bound;
     report.offset = face.offset;
     report.triangles = static_cast<int>(face.triangles.size());
@@ -224,6 +231,7 @@ class PartMesher {
 
   const Part& part_;
   TessellationOptions options_;
+  std::vector<int> copy_of_;
   Boundary boundary_;
   std::vector<FaceShape> shapes_;
   std::optional<EdgeNet> net_;
@@ -234,8 +242,11 @@ class PartMesher {
 }  // namespace
 
 MakersNotes notes_of(const PartTessellation& made) {
-  MakersNotes notes{made.free_sides, {}};
-  for (const FaceReport& face : made.faces) notes.turned.push_back(face.turned);
+  MakersNotes notes{made.free_sides, {}, {}};
+  for (const FaceReport& face : made.faces) {
+    notes.turned.push_back(face.turned);
+    notes.copies.push_back(face.copy_of >= 0);
+  }
   return notes;
 }
 

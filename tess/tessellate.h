@@ -14,11 +14,15 @@
 
 namespace iso {
 
+// Faces that the part holds twice (copied_faces.h).
+enum class Copies { MeshOnce, MeshAll };
+
 struct TessellationOptions {
   double distance = 0;  // world units, positive: allowed between surface and mesh; more than a tenth of the part's size is not used
   double trim = 0;      // allowed between an edge and its polyline; 0: as `distance`
   double angle = kInf;  // radians: allowed between the surface's normals at any two corners of a triangle
   double sew = 0;       // world units: edges of different faces within this distance are one; 0: what the file states; negative: off
+  Copies copies = Copies::MeshOnce;
 };
 
 // What is proven and what was counted of one face.
@@ -31,7 +35,8 @@ struct FaceReport {
   int folded = 0;       // triangles turned against the surface
   bool turned = false;  // looked to the other side than its neighbours: its triangles and normals do not, see orient.h
   int crossings = 0;    // border segments that cross others and are no sides of triangles
-  std::string failure;  // why the face has no triangles, if it has none
+  int copy_of = -1;     // the face that it repeats and that is meshed for both; it has no triangles
+  std::string failure;  // why the face has no triangles, if it has none and is no copy
 };
 
 struct PartTessellation {

@@ -140,7 +140,8 @@ class Report {
       const Point3 middle = 0.5 * (mesh_.corner(t, open[i].corner) + mesh_.corner(t, (open[i].corner + 1) % 3));
       (found.is_free[i] ? report_.free_edges : report_.cracks).add({middle, open[i].triangle, static_cast<int>(f)});
     }
-    if (found.shapes.triangles == 0) report_.empty_faces.add({Point3(0.0), -1, static_cast<int>(f)});
+    const bool is_copy = notes_ && f < notes_->copies.size() && notes_->copies[f];
+    if (found.shapes.triangles == 0 && !is_copy) report_.empty_faces.add({Point3(0.0), -1, static_cast<int>(f)});
     report_.shapes.triangles += found.shapes.triangles;
     report_.shapes.slivers += found.shapes.slivers;
     report_.shapes.smallest_angle = std::min(report_.shapes.smallest_angle, found.shapes.smallest_angle);

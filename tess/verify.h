@@ -49,6 +49,7 @@ struct MeshReport {
 struct MakersNotes {
   std::span<const std::array<std::uint32_t, 2>> free_sides;  // pairs of points where the model is open, the smaller first, sorted
   std::vector<bool> turned;                                  // faces that were turned against their surface, empty: none
+  std::vector<bool> copies;                                  // faces that another one is meshed for, empty: none
 };
 
 // The mesh must belong to the part: as many faces, valid indices, finite numbers (ISO_CHECK).

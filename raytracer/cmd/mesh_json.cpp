@@ -93,6 +93,7 @@ std::string face_line(const PartFigures& part, std::size_t f) {
   add_figures(json, part.faces[f]);
   const TriangleShapes& shapes = part.check.shapes_of_face[f];
   json["turned"] = part.faces[f].report.turned;
+  json["copy_of"] = part.faces[f].report.copy_of < 0 ? Json() : Json(part.faces[f].report.copy_of);
   json["slivers"] = shapes.slivers;
   json["smallest_angle"] = shapes.triangles > 0 ? Json(shapes.smallest_angle) : Json();
   json["failure"] = part.faces[f].report.failure.empty() ? Json() : Json(part.faces[f].report.failure);

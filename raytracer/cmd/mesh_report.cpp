@@ -118,13 +118,14 @@ std::string length_text(double length, const std::string& unit) {
 
 namespace {
 
-// What was joined and turned, if anything.
+// What was joined, turned and left out, if anything.
 std::string repairs_text(const MeshFigures& figures) {
-  std::uint64_t joined = 0, turned = 0;
+  std::uint64_t joined = 0, turned = 0, copies = 0;
   double widest = 0;
   for (const PartFigures& part : figures.parts) {
     joined += static_cast<std::uint64_t>(part.joins.joined);
     turned += static_cast<std::uint64_t>(part.turned);
+    for (const FaceFigures& face : part.faces) copies += face.report.copy_of >= 0;
     widest = std::max(widest, part.joins.widest);
   }
   std::string text;
@@ -132,6 +133,7 @@ std::string repairs_text(const MeshFigures& figures) {
     text += fmt::format("; {} of edges joined, up to {} apart", counted(joined, "pair", "pairs"), length_text(widest, figures.unit));
   if (turned > 0)
     text += fmt::format("; {} turned to the side of {} neighbours", counted(turned, "face", "faces"), turned == 1 ? "its" : "their");
+  if (copies > 0) text += fmt::format("; {} left out that {} others", counted(copies, "face", "faces"), copies == 1 ? "repeats" : "repeat");
   return text;
 }
 

@@ -198,7 +198,10 @@ class Checks {
   // How far one runs within half the tolerance of the other, from a vertex of either to a vertex of either; 0 if that is too short to
   // count: for short edges, and for curves that only touch.
   double run_together(const SpaceCurve& a, const SpaceCurve& b) const {
-    const double half = 0.5 * after_.joins.tolerance, enough = 24 * after_.joins.tolerance + 4 * std::sqrt(after_.joins.tolerance * size_);
+    const double tolerance = after_.joins.tolerance, half = 0.5 * tolerance;
+    // A vertex is told only to the next place: of fewer than four, both ends of the run could be one.
+    const double enough =
+        std::max(24 * tolerance + 4 * std::sqrt(tolerance * size_), 4 * a.length() / static_cast<double>(a.places().size()));
     if (!touch(a, b, half)) return 0;
     const auto& places = a.places();
     std::vector<char> near(places.size());
