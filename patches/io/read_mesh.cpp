@@ -46,6 +46,10 @@ std::uint64_t hash_of(const Point3& p) {
   return h;
 }
 
+// What tells places apart: the coordinates; where the file rounds them, multiples of that rounding, so that what was written as 0 by one
+// face and as 1e-16 by its neighbour is one place. Adding 0 makes -0 equal to 0.
+Point3 key_of(const Point3& p, double rounding) { return rounding > 0 ? glm::round(p / rounding) + 0.0 : p + 0.0; }
+
 // Leaves one point for each place that a triangle uses, in the order of the file.
 void join_equal_places(ForeignMesh& mesh) {
   std::vector<std::uint32_t> joined(mesh.points.size(), kNone);
@@ -53,7 +57,7 @@ void join_equal_places(ForeignMesh& mesh) {
   for (const PointTriangle& t : mesh.triangles)
     for (const std::uint32_t i : t) joined[i] = kUsed;
 
-  // A table of twice as many slots as points, searched onward from the slot that the place hashes to. Adding 0 makes -0 equal to 0.
+  // A table of twice as many slots as points, searched onward from the slot that the place hashes to.
   std::vector<std::uint32_t> slots(std::bit_ceil(2 * mesh.points.size() + 1), kNone);
   std::uint32_t kept = 0;
   std::uint64_t unused = 0;
@@ -62,9 +66,9 @@ void join_equal_places(ForeignMesh& mesh) {
       ++unused;
       continue;
     }
-    const Point3 p = mesh.points[i] + 0.0;
-    std::size_t slot = hash_of(p) & (slots.size() - 1);
-    while (slots[slot] != kNone && mesh.points[slots[slot]] != p) slot = (slot + 1) & (slots.size() - 1);
+    const Point3 p = mesh.points[i] + 0.0, key = key_of(p, mesh.rounding);
+    std::size_t slot = hash_of(key) & (slots.size() - 1);
+    while (slots[slot] != kNone && key_of(mesh.points[slots[slot]], mesh.rounding) != key) slot = (slot + 1) & (slots.size() - 1);
     if (slots[slot] == kNone) {
       slots[slot] = kept;
       mesh.points[kept++] = p;
