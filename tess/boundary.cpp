@@ -4,6 +4,8 @@
 #include <map>
 #include <numeric>
 
+#include "tess/inner_poles.h"
+
 namespace iso {
 
 double parameter_at(const EdgeUse& use, double share) {
@@ -137,10 +139,10 @@ void join_touching_loops(const Part& part, const Boundary& boundary, Sets& ends)
         starts.push_back({uv_at(use, use.forward ? 0 : 1), 2 * use.edge + (use.forward ? 0 : 1)});
       }
     std::sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first.x < b.first.x; });
-    const double tiny = kPoint * part.faces[f].domain.diagonal();
+    const Vec2 tiny = kPoint * part.faces[f].domain.size();
     for (std::size_t i = 0; i < starts.size(); ++i)
-      for (std::size_t j = i + 1; j < starts.size() && starts[j].first.x - starts[i].first.x <= tiny; ++j)
-        if (std::abs(starts[j].first.y - starts[i].first.y) <= tiny) ends.join(starts[i].second, starts[j].second);
+      for (std::size_t j = i + 1; j < starts.size() && starts[j].first.x - starts[i].first.x <= tiny.x; ++j)
+        if (std::abs(starts[j].first.y - starts[i].first.y) <= tiny.y) ends.join(starts[i].second, starts[j].second);
   }
 }
 
@@ -295,13 +297,15 @@ Boundary::Boundary(const Part& part, double sew) {
     }
   }
   mark_points(part, *this);
+  add_inner_poles(part, *this);
   joins = join_edges(part, *this, sew);
   number_vertices(part, *this);
   collapse_short_edges(part, *this);
-  if (joins.joined == 0) return;
-  join_short_edges(part, *this);
-  join_ends_of_dwarfed_edges(part, *this);
-  collapse_short_edges(part, *this);
+  if (joins.joined > 0) {
+    join_short_edges(part, *this);
+    join_ends_of_dwarfed_edges(part, *this);
+    collapse_short_edges(part, *this);
+  }
   compact(*this);
 }
 

@@ -46,6 +46,16 @@ bool encloses_sliver(const EdgePiece& first, const EdgeUse& directed, double tol
   return glm::length(point(first.face->surface, 0.5 * (a + b)) - place(first, first.use, 0.5)) <= 2 * tolerance;
 }
 
+// Whether they are one curve in (u, v): a slit, or a loop that runs back over itself.
+bool is_slit(const EdgePiece& first, const EdgeUse& directed, const EdgeMatch& match) {
+  const Vec2 same = kEvenShare * first.face->domain.size();
+  const std::size_t parts = match.shares.size() - 1;
+  for (std::size_t k = 0; k <= parts; ++k)
+    if (const Vec2 d = glm::abs(uv_at(first.use, even_share(k, parts)) - uv_at(directed, match.shares[k])); d.x > same.x || d.y > same.y)
+      return false;
+  return true;
+}
+
 // The polyline of a piece run through in either direction.
 EdgePiece directed(const EdgePiece& piece, bool reversed) {
   EdgePiece result = piece;
@@ -147,8 +157,9 @@ std::optional<EdgeMatch> match(const EdgePiece& first, const EdgePiece& second, 
     const Point3 &from = reversed ? second.at.back() : second.at.front(), &to = reversed ? second.at.front() : second.at.back();
     if (glm::length(first.at.front() - from) > 2 * policy.ends || glm::length(first.at.back() - to) > 2 * policy.ends) continue;
     const EdgePiece other = directed(second, reversed);
-    if (first.face == second.face && encloses_sliver(first, other.use, policy.between)) continue;
     auto found = match_nearest(first, other, policy);
+    if (found && first.face == second.face && encloses_sliver(first, other.use, policy.between) && !is_slit(first, other.use, *found))
+      continue;
     if (!found || (best && best->apart <= found->apart)) continue;
     found->reversed = reversed;
     best = std::move(found);

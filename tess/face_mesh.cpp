@@ -77,7 +77,7 @@ class FaceMesher {
         const std::size_t n = edge.share.size();
         for (std::size_t i = 0; i + 1 < n; ++i) {  // each use brings all its samples but its last
           const std::size_t at = use.forward ? i : n - 1 - i, segment = use.forward ? i : n - 2 - i;
-          add_border_node(edge.point[at], edge.uv[k][at], segments_.size() > first && segments_.back().degenerate);
+          add_border_node(edge.point[at], edge.uv[k][at]);
           segments_.push_back({{use.edge, static_cast<std::uint32_t>(segment)}, edge.sliver[k][segment], degenerate});
         }
       }
@@ -100,9 +100,18 @@ class FaceMesher {
       }
   }
 
-  void add_border_node(std::uint32_t point, UV uv, bool after_point) {
-    // Where an edge of no length ends its start is meant, and not beside it by rounding.
-    if (after_point && glm::length(uv - mesh_.nodes.back().uv) <= kOnCrease * shape_.face().domain.diagonal()) uv = mesh_.nodes.back().uv;
+  // A point that the border comes back to is where it was, and not beside it by rounding.
+  UV settled(std::uint32_t point, const UV& uv) {
+    const auto [first, last] = settled_.equal_range(point);
+    const Vec2 rounding = kOnCrease * shape_.face().domain.size();
+    for (auto at = first; at != last; ++at)
+      if (const Vec2 d = glm::abs(uv - at->second); d.x <= rounding.x && d.y <= rounding.y) return at->second;
+    settled_.emplace(point, uv);
+    return uv;
+  }
+
+  void add_border_node(std::uint32_t point, const UV& sampled) {
+    const UV uv = settled(point, sampled);
     const FaceShape::Placed at = shape_.place(uv);
     mesh_.nodes.push_back({point, uv, at.normal});
     surface_points_.push_back(at.S);
@@ -181,6 +190,18 @@ class FaceMesher {
     return vertex;
   }
 
+  // Whether p lies on a side or at a corner of the border but for rounding: triangles between them would have no area.
+  bool is_beside_border(const Corners& t, const Vec2& p) const {
+    const double rounding = kOnCrease * (std::abs(p.x) + std::abs(p.y));
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = t.v[static_cast<std::size_t>((k + 1) % 3)], w = t.v[static_cast<std::size_t>((k + 2) % 3)];
+      const Vec2 a = triangulation_->points()[v], ab = triangulation_->points()[w] - a, ap = p - a;
+      if (node_of_[v] < mesh_.border && glm::length(ap) <= rounding) return true;
+      if (is_border(t, k) && std::abs(ab.x * ap.y - ab.y * ap.x) <= rounding * glm::length(ab)) return true;
+    }
+    return false;
+  }
+
   // Whether p lies inside the loops, and neither on them nor at a vertex.
   bool inside_at(const Vec2& p) {
     const Triangulation::Location at = triangulation_->locate(p, near_);
@@ -189,7 +210,7 @@ class FaceMesher {
     const Corners& t = triangulation_->triangles()[at.triangle];
     if (at.place == Triangulation::Place::Vertex) return false;
     if (at.place == Triangulation::Place::Edge && is_border(t, at.k)) return false;
-    return t.inside;
+    return t.inside && !is_beside_border(t, p);
   }
 
   // Whether the triangle found last is in need of a point: large, or beyond the tolerance.
@@ -447,8 +468,9 @@ class FaceMesher {
   Vec2 scale_{1.0};
   std::vector<BorderSegment> segments_;  // from border node i to the next of its loop
   std::vector<std::pair<std::size_t, std::size_t>> loop_ends_;
-  std::vector<std::int8_t> pole_axis_;  // of border nodes: the parameter that has no meaning there, -1 where both have
-  std::vector<Point3> surface_points_;  // of the nodes: on this face's own surface
+  std::unordered_multimap<std::uint32_t, UV> settled_;  // places of the border's points
+  std::vector<std::int8_t> pole_axis_;                  // of border nodes: the parameter that has no meaning there, -1 where both have
+  std::vector<Point3> surface_points_;                  // of the nodes: on this face's own surface
   std::optional<Triangulation> triangulation_;
   struct Proven {
     std::array<std::uint32_t, 3> v{};

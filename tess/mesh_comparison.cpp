@@ -7,6 +7,7 @@
 #include <chrono>
 #include <mutex>
 
+#include "tess/comparison_sources.h"
 #include "tess/mesh_faults.h"
 #include "tess/one_sided.h"
 
@@ -25,99 +26,6 @@ constexpr double kNothing = 1e-9;      // of the diagonal: distances that no use
 constexpr double kFlatArc = 0.3;       // of its length: an edge is at most this far from the arc between its ends that it stands for
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)); }
-
-// The exact faces from the mesh.
-class SurfaceSource {
- public:
-  SurfaceSource(const ExactFaces& faces, const TriangleTree& mesh, const ForeignMesh& triangles)
-      : faces_(&faces), mesh_(&mesh), of_mesh_(&triangles), of_point_(faces.points().size()) {
-    constexpr std::size_t kChunk = 1024;
-    tbb::parallel_for(std::size_t{0}, (of_point_.size() + kChunk - 1) / kChunk, [&](std::size_t c) {
-      TriangleTree::Nearest near;
-      for (std::size_t i = c * kChunk; i < std::min(of_point_.size(), (c + 1) * kChunk); ++i) {
-        near = mesh.nearest(faces.points()[i], near.triangle);
-        of_point_[i] = {faces.points()[i], near.distance, near.triangle};
-      }
-    });
-  }
-
-  std::size_t size() const { return faces_->triangles().size(); }
-  std::uint32_t group(std::size_t i) const { return faces_->face_of(static_cast<std::uint32_t>(i)); }
-  std::array<Point3, 3> corners(std::size_t i) const {
-    const auto& [a, b, c] = faces_->triangles()[i];
-    return {faces_->points()[a], faces_->points()[b], faces_->points()[c]};
-  }
-  Measured measure(std::size_t i, const Vec3& weights, std::uint32_t hint) const {
-    for (int k = 0; k < 3; ++k)
-      if (weights[k] == 1) return of_point_[faces_->triangles()[i][static_cast<std::size_t>(k)]];
-    const Point3 at = faces_->lifted(static_cast<std::uint32_t>(i), weights).point;
-    const TriangleTree::Nearest near = mesh_->nearest(at, hint);
-    return {at, near.distance, near.triangle};
-  }
-  void walk(std::size_t& i, Vec3& weights) const {
-    auto triangle = static_cast<std::uint32_t>(i);
-    faces_->walk(triangle, weights);
-    i = triangle;
-  }
-  bool side_matters(std::size_t i, int k) const { return faces_->is_border(static_cast<std::uint32_t>(i), k); }
-  double bound(std::size_t i, double near, double enough) const {
-    // Our mesh may be farther than the surface it stands for.
-    const double off = faces_->faces()[group(i)].bound;
-    return cover_bound(*mesh_, of_mesh_->points, of_mesh_->triangles, corners(i), near + off, enough + off).bound + off;
-  }
-
- private:
-  const ExactFaces* faces_;
-  const TriangleTree* mesh_;
-  const ForeignMesh* of_mesh_;
-  std::vector<Measured> of_point_;  // of our mesh
-};
-
-// The mesh from the exact faces.
-class MeshSource {
- public:
-  MeshSource(const ExactFaces& faces, const ForeignMesh& mesh, const std::vector<TriangleFinding>& triangles,
-             const std::vector<PointFinding>& points)
-      : faces_(&faces), mesh_(&mesh), triangles_(&triangles), points_(&points) {}
-
-  std::size_t size() const { return mesh_->triangles.size(); }
-  std::uint32_t group(std::size_t i) const { return (*triangles_)[i].face; }
-  std::array<Point3, 3> corners(std::size_t i) const {
-    const auto& [a, b, c] = mesh_->triangles[i];
-    return {mesh_->points[a], mesh_->points[b], mesh_->points[c]};
-  }
-  Measured measure(std::size_t i, const Vec3& weights, std::uint32_t hint) const {
-    const PointTriangle& t = mesh_->triangles[i];
-    for (int k = 0; k < 3; ++k)
-      if (weights[k] == 1) {
-        const PointFinding& known = (*points_)[t[static_cast<std::size_t>(k)]];
-        return {mesh_->points[t[static_cast<std::size_t>(k)]], known.distance, known.reference};
-      }
-    const auto c = corners(i);
-    if (glm::length(weights - Vec3(1 / 3.0)) < 1e-9) {
-      const TriangleFinding& known = (*triangles_)[i];
-      return {(c[0] + c[1] + c[2]) / 3.0, known.distance, known.reference};
-    }
-    const Point3 at = weights.x * c[0] + weights.y * c[1] + weights.z * c[2];
-    const ExactFaces::Foot foot = faces_->nearest(at, hint);
-    return {at, foot.distance, foot.triangle};
-  }
-  void walk(std::size_t&, Vec3& weights) const {
-    weights = glm::max(weights, Vec3(0.0));
-    weights /= weights.x + weights.y + weights.z;
-  }
-  bool side_matters(std::size_t, int) const { return true; }
-  double bound(std::size_t i, double near, double enough) const {
-    const double off = faces_->bound();
-    return cover_bound(faces_->tree(), faces_->points(), faces_->triangles(), corners(i), near + off, enough + off).bound + off;
-  }
-
- private:
-  const ExactFaces* faces_;
-  const ForeignMesh* mesh_;
-  const std::vector<TriangleFinding>* triangles_;
-  const std::vector<PointFinding>* points_;
-};
 
 class Comparison {
  public:
@@ -148,6 +56,8 @@ class Comparison {
   void find_points_and_triangles();
   TriangleFinding look_at(std::size_t t) const;
   void measure_both_ways();
+  double usual_distance(const std::vector<float>& worst_of_triangle);
+  double least_distance() const;
   void finish_faces();
   void check_topology_and_gaps();
   void name_faults();
@@ -168,7 +78,7 @@ class Comparison {
   std::vector<OpenEdge> cracks_;
   std::vector<float> nearest_of_triangle_;
   std::vector<double> missing_;
-  double far_ = 0, far_point_ = 0;
+  double usual_middle_ = 0, usual_point_ = 0, far_ = 0, far_point_ = 0;
   MeshComparison result_;
 };
 
@@ -203,17 +113,21 @@ double Comparison::rough_distance() const {
 }
 
 void Comparison::choose_reference() {
+  // In the coordinates of the first part, so that it does not depend on how all of them are turned.
   Box3 box;
-  for (const PlacedPart& p : parts_) box.include(transformed(p.to_world, p.part->box));
-  diagonal_ = box.diagonal();
+  const Affine3 to_first = inverse(parts_[0].to_world);
+  for (const PlacedPart& p : parts_) box.include(transformed(to_first * p.to_world, p.part->box));
+  diagonal_ = stretch_of(parts_[0].to_world) * box.diagonal();
   if (settings_.reference > 0) {
     faces_ = std::make_unique<ExactFaces>(parts_, settings_.reference);
+    usual_middle_ = rough_distance();
     return;
   }
   const double first = kFirstReference * diagonal_;
   faces_ = std::make_unique<ExactFaces>(parts_, first);
+  usual_middle_ = rough_distance();
   // Triangles grow as one over the distance.
-  const double wanted = std::max(kShareOfDistance * rough_distance(), kFinestReference * diagonal_);
+  const double wanted = std::max(kShareOfDistance * usual_middle_, kFinestReference * diagonal_);
   const double affordable = first * static_cast<double>(faces_->triangles().size()) / kMostReferenceTriangles;
   const double next = std::max(wanted, affordable);
   if (next < 0.7 * first) faces_ = std::make_unique<ExactFaces>(parts_, next);
@@ -255,12 +169,15 @@ TriangleFinding Comparison::look_at(std::size_t t) const {
   if (has_no_area(a, b, c)) return found;
   double angle = foot.normal == Vec3(0.0) ? 0.0 : angle_between(n, foot.normal);
   if (angle > kPi / 2) {
-    // At sharp edges and in thin walls another sheet may be as near: what is turned contradicts all of them.
+    // At sharp edges and in walls thinner than what is usual for the mesh it may stand for another sheet: what is turned contradicts all.
     const Point3 middle = (a + b + c) / 3.0;
-    faces_->tree().for_each_touching(Box3{middle, middle}.inflated(foot.distance + 2 * faces_->bound()), [&](std::uint32_t i) {
+    const double reach = std::max(foot.distance, usual_middle_) + 2 * faces_->bound();
+    faces_->tree().for_each_touching(Box3{middle, middle}.inflated(reach), [&](std::uint32_t i) {
       const TriangleTree::Nearest near = faces_->tree().on(i, middle);
-      if (near.distance > foot.distance + 2 * faces_->bound()) return;
+      if (near.distance > reach) return;
       const double other = angle_between(n, faces_->lifted(i, near.weights).normal);
+      // A neighbour over a sharp edge is no such sheet.
+      if (near.distance > foot.distance + 2 * faces_->bound() && other > kPi / 3) return;
       if (other < angle) angle = other, found.face = faces_->face_of(i);
     });
   }
@@ -298,7 +215,7 @@ void Comparison::measure_both_ways() {
     for (std::size_t f = 0; f < groups; ++f) result_.faces[f].to_surface = found[f];
     result_.all.to_surface = found.back();
     nearest_of_triangle_ = meter.nearest_of_triangle();
-    usual = meter.usual(kUsual);
+    usual = usual_distance(meter.worst_of_triangle());
   }
   tree_ = std::make_unique<TriangleTree>(mesh_.points, mesh_.triangles);
   const SurfaceSource source(*faces_, *tree_, mesh_);
@@ -309,15 +226,31 @@ void Comparison::measure_both_ways() {
   done_ += 0.75;
 
   // What is well beyond the usual of this mesh is a fault of its own. What is usual is asked of the mesh: of the faces some may have none.
-  const double least = std::max({faces_->bound(), faces_->gap(), 2 * mesh_.rounding, kNothing * diagonal_});
-  far_ = kWellBeyond * std::max(usual, least);
+  far_ = kWellBeyond * std::max(usual, least_distance());
   for (std::size_t f = 0; f < groups; ++f) missing_.push_back(meter.share_beyond(f, far_));
+  far_point_ = std::max(far_, kWellBeyond * usual_point_);
+}
+
+// Of the triangles; those with a point far beyond the others do not count, which may be many in a small mesh.
+double Comparison::usual_distance(const std::vector<float>& worst_of_triangle) {
+  const auto usual_of = [](std::vector<double>& all) {
+    const auto at = all.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(all.size() - 1));
+    std::nth_element(all.begin(), at, all.end());
+    return *at;
+  };
   std::vector<double> distances;
   for (const PointFinding& p : points_) distances.push_back(p.distance);
-  const auto at = distances.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(distances.size() - 1));
-  std::nth_element(distances.begin(), at, distances.end());
-  far_point_ = std::max(far_, kWellBeyond * *at);
+  usual_point_ = usual_of(distances);
+  const double beyond = kWellBeyond * std::max(usual_point_, least_distance());
+  std::vector<double> of_triangles, others;
+  for (std::size_t t = 0; t < worst_of_triangle.size(); ++t) {
+    const auto is_far = [&](std::uint32_t p) { return points_[p].distance > beyond; };
+    (std::ranges::any_of(mesh_.triangles[t], is_far) ? others : of_triangles).push_back(double(worst_of_triangle[t]));
+  }
+  return usual_of(of_triangles.empty() ? others : of_triangles);
 }
+
+double Comparison::least_distance() const { return std::max({faces_->bound(), faces_->gap(), 2 * mesh_.rounding, kNothing * diagonal_}); }
 
 void Comparison::finish_faces() {
   std::vector<double> angles(result_.faces.size(), 0);
@@ -379,7 +312,7 @@ void Comparison::check_topology_and_gaps() {
       cracks_.push_back(edge);
   }
   result_.all.open_edges = open.size();
-  // How wide the cracks are: the distance of each one's middle from the next one that has no point in common with it.
+  // How wide the cracks are: the distance of each one's middle from the next one that is not its continuation.
   std::vector<PointTriangle> sides;
   for (const OpenEdge& edge : cracks_) {
     const PointTriangle& t = mesh_.triangles[edge.triangle];
@@ -391,8 +324,15 @@ void Comparison::check_topology_and_gaps() {
   tbb::parallel_for(std::size_t{0}, sides.size(), [&](std::size_t i) {
     const auto [a, b, b2] = sides[i];
     const auto apart = [&, a = a, b = b](std::uint32_t other) {
+      constexpr double kSharp = 0.25;  // the cosine of the angle at a common point, from which the other one lies opposite
       const PointTriangle& s = sides[other];
-      return s[0] != a && s[0] != b && s[1] != a && s[1] != b;
+      for (const auto& [common, end] : {std::pair(a, b), std::pair(b, a)})
+        for (std::size_t k = 0; k < 2; ++k) {
+          if (s[k] != common) continue;
+          const Vec3 along = mesh_.points[end] - mesh_.points[common], aside = mesh_.points[s[1 - k]] - mesh_.points[common];
+          if (!(glm::dot(along, aside) > kSharp * glm::length(along) * glm::length(aside))) return false;
+        }
+      return other != i;
     };
     widths[i] = cracks.nearest_where(0.5 * (mesh_.points[a] + mesh_.points[b]), TriangleTree::kNone, apart).distance;
   });

@@ -29,12 +29,14 @@ struct OneSided {
 };
 
 struct FaceComparison {
-  int placed = -1, face = -1;              // which exact face
-  std::uint64_t triangles = 0;             // of the mesh that lie nearest to it
-  double area = 0, covered = 0;            // of the face, and of those triangles
-  double inward = 0;                       // the area of those of them that show their back outside
-  OneSided to_surface, to_mesh;            // of those triangles from the faces; of the face from the mesh
-  double worst_angle = 0, mean_angle = 0;  // radians, between the triangles and the surface under them
+  int placed = -1, face = -1;    // which exact face
+  std::uint64_t triangles = 0;   // of the mesh that lie nearest to it
+  double area = 0, covered = 0;  // of the face, and of those triangles
+  double inward = 0;             // the area of those of them that show their back outside
+  OneSided to_surface, to_mesh;  // of those triangles from the faces; of the face from the mesh
+  // Radians, between the triangles and the surface under their middles, and near their corners where it does not turn its back there: that
+  // may be another sheet of the face, or a rounding tighter than the triangle, and is not told apart.
+  double worst_angle = 0, mean_angle = 0;
   Point3 worst_angle_at{0.0};
   TriangleShapes shapes;
   std::uint64_t open_edges = 0;

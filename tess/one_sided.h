@@ -66,7 +66,7 @@ class OneSidedMeter {
   static constexpr std::size_t kCandidates = 8;  // places per group from which the largest distance is searched
 
   void measure_chunk(std::size_t begin, std::size_t end, std::vector<Sample>& samples);
-  Candidate highest(Candidate from) const;
+  Candidate highest(Candidate from, double first_step, double smallest_step) const;
   OneSided figures(std::span<const Sample> samples) const;
 
   const Source& source_;
@@ -122,13 +122,12 @@ void OneSidedMeter<Source>::measure_chunk(std::size_t begin, std::size_t end, st
 
 // Climbs from a sample to a place where the distance is largest, by steps in eight directions that are halved when none leads up.
 template <class Source>
-typename OneSidedMeter<Source>::Candidate OneSidedMeter<Source>::highest(Candidate from) const {
-  constexpr double kSmallestStep = 1e-9, kFirstStep = 0.25;
+typename OneSidedMeter<Source>::Candidate OneSidedMeter<Source>::highest(Candidate from, double first_step, double smallest_step) const {
   constexpr int kMostSteps = 4000;
   static constexpr std::array<std::array<int, 2>, 8> kWays{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, -1}, {-1, 1}, {1, 1}, {-1, -1}}};
   std::uint32_t hint = TriangleTree::kNone;
   int steps = 0;
-  for (double step = kFirstStep; step > kSmallestStep && steps < kMostSteps;) {
+  for (double step = first_step; step > smallest_step && steps < kMostSteps;) {
     Candidate best = from;
     for (const auto& way : kWays) {
       Vec3 l = from.weights + step * Vec3(-way[0] - way[1], way[0], way[1]);
@@ -225,6 +224,9 @@ std::vector<OneSided> OneSidedMeter<Source>::measured(const std::function<void(s
     std::sort(heap.begin(), heap.end(), std::greater<>());
     if (heap.size() > kCandidates) heap.resize(kCandidates);
     result[g] = figures(std::span(samples_).subspan(first_[g], first_[g + 1] - first_[g]));
+    // All of them roughly, then those that are still among the largest.
+    constexpr double kFirstStep = 0.25, kRough = 1e-3, kSmallestStep = 1e-9, kNearly = 1 - 1e-5;
+    std::vector<Candidate> rough;
     Candidate best;
     for (const auto& [distance, i] : heap) {
       Candidate from;
@@ -234,8 +236,13 @@ std::vector<OneSided> OneSidedMeter<Source>::measured(const std::function<void(s
       const Measured m = source_.measure(i, from.weights, TriangleTree::kNone);
       from.distance = m.distance;
       from.at = m.at;
-      from = highest(from);
-      if (from.distance > best.distance) best = from;
+      rough.push_back(highest(from, kFirstStep, kRough));
+      if (rough.back().distance > best.distance) best = rough.back();
+    }
+    const double nearly = kNearly * best.distance;
+    for (const Candidate& from : rough) {
+      if (!(from.distance >= nearly)) continue;
+      if (const Candidate to = highest(from, 2 * kRough, kSmallestStep); to.distance > best.distance) best = to;
     }
     if (best.distance >= 0) result[g].max = best.distance, result[g].at = best.at;
   });

@@ -272,10 +272,12 @@ double Cover::bound(const std::array<Point3, 3>& t, double near, int depth) {
   // What is farther than this is no help: the bound would not be tight.
   const double rounding = 16 * kEps * (longest + std::max({std::abs(t[0].x), std::abs(t[0].y), std::abs(t[0].z)}));
   const double reach = std::max(enough_, near) + kThin * longest + rounding;
+  // Far away from all triangles one is the nearest for large pieces: no others need to be gathered.
+  const bool is_far = reach > longest;
   Box3 box;
   for (const Point3& p : t) box.include(p);
   nearby_.clear();
-  tree_.for_each_touching(box.inflated(reach), [&](std::uint32_t i) { nearby_.push_back(i); });
+  if (!is_far) tree_.for_each_touching(box.inflated(reach), [&](std::uint32_t i) { nearby_.push_back(i); });
   O_ = t[0];
   X_ = (t[(at + 1) % 3] - t[at]) / longest;
   Y_ = glm::normalize(glm::cross(n, X_));

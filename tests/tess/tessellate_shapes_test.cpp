@@ -215,6 +215,40 @@ TEST(TessellateShapes, ClosedNurbsWithoutLoopsAreClosedMeshes) {
   }
 }
 
+TEST(TessellateShapes, ALoopThatRunsBackOverItself) {
+  for (const double T : kTolerances) {
+    const auto s = PartOf("spike").face(Plane{}, {polygon({{0, 0}, {2, 0}, {1, 0}, {1, 1}, {0, 1}}, 0)}).done();
+    const PartTessellation made = expect_area(s, T, 1, 0);
+    EXPECT_EQ(made.faces[0].crossings, 0);
+    EXPECT_EQ(made.mesh.triangles.size(), 2u);
+  }
+}
+
+TEST(TessellateShapes, LoopsThatTouchShareTheirVertex) {
+  const std::vector<TrimCurve> hole = polygon({{0, 0}, {1, 2}, {2, 1}}, 4);
+  std::vector<TrimCurve> lid;  // the same edges, the other way
+  for (auto c = hole.rbegin(); c != hole.rend(); ++c) lid.push_back({c->curve, c->t1, c->t0, c->edge});
+  const auto s = PartOf("hole at a corner").face(Plane{}, {rectangle({0, 0}, {3, 3}, 0), hole}).face(Plane{}, {lid}).done();
+  const PartTessellation made = expect_area(s, 1e-2, 9, 0);
+  const MeshReport r = verify(s.part, made.mesh, notes_of(made));
+  EXPECT_EQ(r.topology.open_edges.count, 4u);
+  EXPECT_EQ(r.cracks.count, 0u);
+}
+
+TEST(TessellateShapes, ATorusThatMeetsItselfInItsMiddle) {
+  for (const double T : kTolerances) {
+    const double width = 1.5;
+    const auto s = PartOf("horn torus")
+                       .face(Torus{{}, 1, 1}, {polygon({{0, 0}, {width, 0}, {width, kPi}, {width, kTwoPi}, {0, kTwoPi}, {0, kPi}}, 0)})
+                       .done();
+    const PartTessellation made = expect_area(s, T, width * kTwoPi, 2 * kTwoPi + width);
+    const MeshReport r = verify(s.part, made.mesh, notes_of(made));
+    EXPECT_EQ(r.folded.count, 0u);
+    EXPECT_EQ(r.topology.zero_area.count, 0u);
+    EXPECT_EQ(r.cracks.count, 0u);
+  }
+}
+
 TEST(TessellateShapes, FacesAcrossTheSeam) {
   for (const double T : kTolerances) {
     expect_area(PartOf("cylinder across its seam").face(Cylinder{{}, 1}, {rectangle({5, 0}, {8, 1}, 0)}).done(), T, 3, 8);
