@@ -54,7 +54,7 @@ struct ReportMesh {
   double width = 0;  // ours: of the triangles on curved faces, compare_slope.h; 0: unknown
   MeshComparison comparison;
   std::string verdict;             // a sentence
-  std::vector<std::string> notes;  // of a foreign mesh: what its reader mended or left out
+  std::vector<std::string> notes;  // of a foreign mesh: what its reader mended or left out; of ours: what was not looked at
   ReportCost cost;
   ReportImages images;
   std::vector<ReportPicture> pictures;

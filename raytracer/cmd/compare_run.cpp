@@ -49,6 +49,12 @@ ForeignMesh mesh_of(const TraceScene& scene) {
   return all;
 }
 
+// Our own mesh stands where the model is. What a coarse one looks like from its box alone is no fault of it.
+void forget_misplaced(ReportMesh& mesh) {
+  if (std::erase_if(mesh.comparison.faults, [](const FaultFound& f) { return f.fault <= MeshFault::placement; }) > 0)
+    mesh.notes.push_back("so coarse that its box is not the model's, as its tolerance allows: faults were not looked for");
+}
+
 std::string view_text(const CameraEntry& camera) {
   const bool ortho = camera.projection == Projection::orthographic;
   const std::string from = camera.look_from ? "placed by the scene" : kViewNames[static_cast<std::size_t>(camera.view.value_or(View::iso))];
@@ -216,6 +222,7 @@ Status CompareRun::compare(ReportMesh& mesh, const ForeignMesh& triangles, const
   mesh.comparison =
       compare_mesh(scene_->parts, triangles, settings, [this](double share) { go_on(static_cast<int>(share * kSteps), kSteps); });
   progress_.finish();
+  if (mesh.ours) forget_misplaced(mesh);
   if (pictures && !options_.no_pictures)
     if (const auto added = add_pictures(mesh, triangles, scene); !added) return added;
   mesh.verdict = verdict_of(mesh, report_);

@@ -149,6 +149,15 @@ TEST_F(CompareCommand, OurMeshesAreNoFartherThanTheyGuaranteeAndHaveNoFaults) {
   EXPECT_EQ(meshes, 6);
 }
 
+TEST_F(CompareCommand, AMeshOfOursThatIsVeryCoarseIsNotTakenForOneOfAnotherSize) {
+  const ChildResult result = measure(data(kCone), {"--tolerances", "5e-2d"});
+  EXPECT_EQ(result.code, 0) << result.summary();
+  const json r = report(), &mesh = r["meshes"][0];
+  EXPECT_TRUE(mesh["faults"].empty()) << mesh["faults"];
+  EXPECT_EQ(mesh["notes"].size(), 1u);
+  EXPECT_LE(largest(mesh), mesh["guaranteed"]);
+}
+
 TEST_F(CompareCommand, TheSameMeshInAnyFormatIsGradedAlike) {
   std::vector<std::string> arguments{"--tolerances", "1e-3d"};
   for (const char* name : {"a.obj", "a.ply", "a.stl", "a.glb"}) arguments.insert(arguments.end(), {"--mesh", meshed(kCone, name)});

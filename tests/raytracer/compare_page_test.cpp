@@ -116,7 +116,7 @@ TEST(ComparePage, TellsTheVerdictEveryFaultAndEveryMesh) {
   const std::string page = compare_page(report);
   for (const char* told : {"<h1>1e-3 d keeps its promise.</h1>", "Take the second.", "above 0.1 mm", "fault: missing-face",
                            "Face 3 is bare.", "warning: doubled-triangles", "not kept", "1 crack",
-                           "3 faces of the model could not be measured", "theirs.stl", "exact: 0", "a machine"})
+                           "3 faces of the model could not be measured", "theirs.stl", "exact: 0", "a machine", "Slope of error"})
     EXPECT_NE(page.find(told), std::string::npos) << told;
   const HtmlPage read = read_html(page);
   EXPECT_EQ(read.named("svg").size(), 3u);

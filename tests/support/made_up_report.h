@@ -75,6 +75,7 @@ inline CompareReport made_up_report(int meshes, int faces = 12) {
   r.samples = 16;
   r.seed = 18446744073709551615ull;
   r.pixel = 0.0925;
+  r.slope = 2.0312;
   r.verdict = "1e-3 d keeps its promise.";
   r.direct = {0, 0.0432, 21.125, 11.5, 3964211};
   r.pictures = {{"direct", "The exact surface", "direct.exr", "\x89PNG not really"}};
