@@ -58,14 +58,16 @@ class Cover {
 
  private:
   static constexpr double kLoose = 1.5;             // times the limit: worth another way
-  static constexpr double kEnough = 1.01;           // times what is there: tight to this
+  static constexpr double kEnough = 1 + 1e-4;       // times what is there: tight to this
   static constexpr int kMostDepth = 4;              // of quartering
   static constexpr std::size_t kMostNearby = 1024;  // triangles before one; with more it is quartered
-  static constexpr double kThin = 1e-12;            // of the triangle's size: thinner pieces are rounding
+  static constexpr double kNarrow = 1e-9;           // of the triangle's size: a bound may grow by this rather than follow a piece as narrow
+  static constexpr double kThin = 1e-12;            // of the triangle's size: thinner pieces are not cut any further
 
   double along(const Point3& a, const Point3& b, int depth);
   double quartered(const std::array<Point3, 3>& t, double near, int depth);
   bool thin(const Polygon& q) const;
+  bool left_out(const Polygon& q, const Vec2& from, const Vec2& along);
   struct Region {  // of the plane: to the left of some lines
     Vec2 from[3], along[3];
     int lines = 0;
@@ -94,7 +96,7 @@ class Cover {
   // Of the triangle at hand.
   Point3 O_{0.0};
   Vec3 X_{0.0}, Y_{0.0};
-  double size_ = 0, limit_ = 0, most_ = 0;
+  double size_ = 0, limit_ = 0, most_ = 0, slack_ = 0;
   Polygon whole_;
   std::vector<Polygon> open_, next_;
   std::vector<Waiting> waiting_;
@@ -107,6 +109,15 @@ bool Cover::thin(const Polygon& q) const {
   for (int i = 1; i + 1 < q.count; ++i) area += cross(q.at[i] - q.at[0], q.at[i + 1] - q.at[0]);
   for (int i = 0; i < q.count; ++i) longest = std::max(longest, glm::length(q.at[(i + 1) % q.count] - q.at[i]));
   return !(std::abs(area) > kThin * size_ * longest);
+}
+
+// Whether a piece to the right of a line is left out: it lies within rounding of the line, and so of what is to the left.
+bool Cover::left_out(const Polygon& q, const Vec2& from, const Vec2& along) {
+  double width = 0;
+  for (int i = 0; i < q.count; ++i) width = std::max(width, std::abs(cross(along, q.at[i] - from)) / glm::length(along));
+  if (width > kNarrow * size_) return false;
+  slack_ += width;
+  return true;
 }
 
 double Cover::farthest(const Polygon& q, std::uint32_t triangle) const {
@@ -178,7 +189,7 @@ void Cover::cover_with(const Region& region, std::uint32_t triangle) {
     for (int k = 0; k < region.lines && !thin(inside); ++k) {
       cut(inside, region.from[k], region.along[k], left, outside[parts]);
       inside = left;
-      if (!thin(outside[parts])) ++parts;
+      if (!left_out(outside[parts], region.from[k], region.along[k])) ++parts;
     }
     const double most = thin(inside) ? kInf : farthest(inside, triangle);
     if (most > limit_) {
@@ -210,7 +221,7 @@ double Cover::left_over() {
   waiting_.clear();
   for (const Polygon& q : open_) waiting_.push_back(judged(q));
   std::make_heap(waiting_.begin(), waiting_.end(), lower);
-  for (int i = 0; i < kMostHalvings && waiting_.front().bound > limit_; ++i) {
+  for (int i = 0; i < kMostHalvings && !waiting_.empty() && waiting_.front().bound > limit_; ++i) {
     std::pop_heap(waiting_.begin(), waiting_.end(), lower);
     const Waiting one = waiting_.back();
     waiting_.pop_back();
@@ -220,17 +231,13 @@ double Cover::left_over() {
       if (glm::length(one.q.at[k] - one.middle) >= glm::length(along)) along = one.q.at[k] - one.middle;
     Polygon halves[2];
     cut(one.q, one.middle, Vec2(-along.y, along.x), halves[0], halves[1]);
-    bool any = false;
     for (const Polygon& half : halves) {
-      if (thin(half)) continue;
-      any = true;
+      if (half.count == 0) continue;
       waiting_.push_back(judged(half));
       std::push_heap(waiting_.begin(), waiting_.end(), lower);
     }
-    if (!any) return one.bound;
-    if (waiting_.empty()) return 0;
   }
-  return waiting_.front().bound;
+  return waiting_.empty() ? 0 : waiting_.front().bound;
 }
 
 double Cover::quartered(const std::array<Point3, 3>& t, double near, int depth) {
@@ -282,7 +289,7 @@ double Cover::bound(const std::array<Point3, 3>& t, double near, int depth) {
   X_ = (t[(at + 1) % 3] - t[at]) / longest;
   Y_ = glm::normalize(glm::cross(n, X_));
   size_ = longest;
-  most_ = 0;
+  most_ = slack_ = 0;
   whole_.count = 0;
   for (const Point3& p : t) whole_.add({glm::dot(p - O_, X_), glm::dot(p - O_, Y_)});
   Region region;
@@ -290,19 +297,19 @@ double Cover::bound(const std::array<Point3, 3>& t, double near, int depth) {
   std::erase_if(nearby_, [&](std::uint32_t i) { return !prism(i, region); });
   if (nearby_.size() > kMostNearby && depth < kMostDepth) return quartered(t, near, depth);
   open_.assign(1, whole_);
-  limit_ = kEnough * std::max(enough_, rounding + kThin * longest);
+  limit_ = kEnough * std::max(enough_, rounding);
   cover_all(all);
-  if (open_.empty()) return most_;
+  if (open_.empty()) return most_ + slack_;
   const std::vector<Polygon> rest = open_;
   const double tight = std::max(most_, left_over());
-  if (tight <= kLoose * limit_) return tight;
+  if (tight <= kLoose * limit_) return tight + slack_;
   // Pieces before triangles that are somewhat farther, then.
   open_ = rest;
   for (int i = 0; i < 2 && !open_.empty(); ++i) {
     limit_ *= kLoose;
     cover_all(all);
   }
-  return std::min(tight, open_.empty() ? most_ : std::max(most_, left_over()));
+  return std::min(tight, open_.empty() ? most_ : std::max(most_, left_over())) + slack_;
 }
 
 }  // namespace

@@ -14,8 +14,8 @@ struct CoverBound {
 };
 
 // `near`: a distance that is usual for the triangle's points, about that of its corners and its middle. Where the others lie before the
-// triangle as one sheet within it the bound is tight to second order; at their borders, and between sheets, it is loose, but holds. Pieces
-// that are thinner than the rounding of the coordinates are left out. `enough`: a bound up to this need not be made tighter.
+// triangle as one sheet within it the bound is tight to second order; at their borders, and between sheets, it is loose, but holds.
+// `enough`: a bound up to this need not be made tighter.
 CoverBound cover_bound(const TriangleTree& tree, std::span<const Point3> points, std::span<const PointTriangle> triangles,
                        const std::array<Point3, 3>& corners, double near, double enough);
 

@@ -46,9 +46,14 @@ std::uint64_t hash_of(const Point3& p) {
   return h;
 }
 
-// What tells places apart: the coordinates; where the file rounds them, multiples of that rounding, so that what was written as 0 by one
-// face and as 1e-16 by its neighbour is one place. Adding 0 makes -0 equal to 0.
-Point3 key_of(const Point3& p, double rounding) { return rounding > 0 ? glm::round(p / rounding) + 0.0 : p + 0.0; }
+// What tells places apart: the coordinates. Those below the file's rounding count as 0, for what one face has as 0 its neighbour has as
+// 1e-16, and floats keep that. Adding 0 makes -0 equal to 0.
+Point3 key_of(const Point3& p, double rounding) {
+  Point3 key = p + 0.0;
+  for (int c = 0; c < 3; ++c)
+    if (std::abs(p[c]) < rounding) key[c] = 0;
+  return key;
+}
 
 // Leaves one point for each place that a triangle uses, in the order of the file.
 void join_equal_places(ForeignMesh& mesh) {

@@ -8,8 +8,8 @@
 //                coordinates are turned back to z up, (x, y, z) becomes (x, -z, y), so that they match a CAD model's but for the unit,
 //                which is "m". Skins and morph targets are not applied, and noted. Compressed meshes are refused.
 //
-// Points at equal places become one (where the file rounds, within that rounding; else equal to the last bit, and -0 equals 0), points that
-// no triangle uses are left out. Order is that of the
+// Points at equal places become one (equal to the last bit, but what is below the file's rounding equals 0, and so does -0), points that no
+// triangle uses are left out. Order is that of the
 // file. Triangles with a corner twice stay, they are findings; only strips and fans, which need them to go on, lose theirs. Whatever was
 // cut, left out or found is told in `notes`.
 //

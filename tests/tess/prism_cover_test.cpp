@@ -87,8 +87,9 @@ TEST(PrismCover, NoSampleIsBeyondTheBound) {
       const double near = s.near * (k % 4 == 0 ? 0.1 : k % 4 == 1 ? 10 : 1);
       const CoverBound found = cover_bound(tree, mesh.points, mesh.triangles, t, near, k % 2 ? 0 : s.largest);
       const double rounding = 1e-13;
-      ASSERT_GE(found.bound, s.largest - rounding) << fmt::format("{}, case {}: ({}, {}, {}) ({}, {}, {}) ({}, {}, {})", name, k, t[0].x,
-                                                                  t[0].y, t[0].z, t[1].x, t[1].y, t[1].z, t[2].x, t[2].y, t[2].z);
+      ASSERT_GE(found.bound, s.largest - rounding)
+          << fmt::format("{} under, {}, case {}: ({}, {}, {}) ({}, {}, {}) ({}, {}, {})", s.largest - found.bound, name, k, t[0].x, t[0].y,
+                         t[0].z, t[1].x, t[1].y, t[1].z, t[2].x, t[2].y, t[2].z);
       ASSERT_TRUE(std::isfinite(found.bound));
       if (near >= s.near) loosest = std::max(loosest, found.bound / std::max({s.largest, near, 1e-12}));
       ++asked;
