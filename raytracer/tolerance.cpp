@@ -7,29 +7,23 @@
 #include <cmath>
 #include <optional>
 
+#include "patches/base/units.h"
+
 namespace iso {
 namespace {
 
-struct Length {
-  std::string_view name;
-  ToleranceUnit unit;
-  double metres;
-};
-constexpr std::array kLengths{Length{"m", ToleranceUnit::metre, 1},          Length{"cm", ToleranceUnit::centimetre, 0.01},
-                              Length{"mm", ToleranceUnit::millimetre, 1e-3}, Length{"um", ToleranceUnit::micrometre, 1e-6},
-                              Length{"in", ToleranceUnit::inch, 0.0254},     Length{"ft", ToleranceUnit::foot, 0.3048}};
+// In the order of ToleranceUnit, from metre on.
+constexpr std::array<std::string_view, 6> kNames{"m", "cm", "mm", "um", "in", "ft"};
+static_assert(static_cast<int>(ToleranceUnit::metre) == 1 && static_cast<int>(ToleranceUnit::diagonal) == 1 + int(kNames.size()));
 
-const Length& length_of(ToleranceUnit unit) {
-  for (const Length& l : kLengths)
-    if (l.unit == unit) return l;
-  ISO_CHECK(!"a unit of length");
-}
+// Of a unit of length.
+std::string_view name_of(ToleranceUnit unit) { return kNames[static_cast<std::size_t>(unit) - 1]; }
 
 std::optional<ToleranceUnit> unit_named(std::string_view name) {
   if (name.empty()) return ToleranceUnit::model;
   if (name == "d") return ToleranceUnit::diagonal;
-  for (const Length& l : kLengths)
-    if (name == l.name) return l.unit;
+  for (std::size_t i = 0; i < kNames.size(); ++i)
+    if (name == kNames[i]) return static_cast<ToleranceUnit>(i + 1);
   return {};
 }
 
@@ -58,12 +52,19 @@ Result<Tolerance> tolerance_named(std::string_view text, std::string_view option
   return tolerance;
 }
 
+std::string text_of(const Tolerance& tolerance, std::string_view unit_of_model) {
+  const std::string_view unit = tolerance.unit == ToleranceUnit::model      ? unit_of_model
+                                : tolerance.unit == ToleranceUnit::diagonal ? "d"
+                                                                            : name_of(tolerance.unit);
+  return unit.empty() ? fmt::format("{:g}", tolerance.value) : fmt::format("{:g} {}", tolerance.value, unit);
+}
+
 Result<double> in_units(const Tolerance& tolerance, double diagonal, std::string_view unit_of_model, std::string_view option) {
   double units = tolerance.value;
   if (tolerance.unit == ToleranceUnit::diagonal) {
     units *= diagonal;
   } else if (tolerance.unit != ToleranceUnit::model) {
-    const Length& asked = length_of(tolerance.unit);
+    const std::string_view asked = name_of(tolerance.unit);
     const auto own = unit_named(unit_of_model);
     if (!own || *own == ToleranceUnit::model || *own == ToleranceUnit::diagonal)
       return Error{Exit::bad_command_line,
@@ -71,8 +72,8 @@ Result<double> in_units(const Tolerance& tolerance, double diagonal, std::string
                    {},
                    fmt::format("{}: found a length in {}, but the unit of the model is {}; expected a bare number in its units, or "
                                "diagonals such as 1e-4d",
-                               option, asked.name, unit_of_model.empty() ? "unknown" : fmt::format("'{}'", unit_of_model))};
-    units *= asked.metres / length_of(*own).metres;
+                               option, asked, unit_of_model.empty() ? "unknown" : fmt::format("'{}'", unit_of_model))};
+    units *= *metres_of(asked) / *metres_of(unit_of_model);
   }
   if (units > 0 && units < kFinest * diagonal)
     return Error{Exit::bad_command_line,

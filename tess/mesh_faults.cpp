@@ -7,18 +7,14 @@
 #include <cmath>
 #include <numeric>
 
+#include "patches/base/units.h"
+
 namespace iso {
 namespace {
 
 std::string length_of(double length, const std::string& unit) { return fmt::format("{:.3g}{}{}", length, unit.empty() ? "" : " ", unit); }
 std::string place_of(const Point3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
 const char* plural(std::uint64_t n) { return n == 1 ? "" : "s"; }
-
-struct Unit {
-  const char* name;
-  double millimetres;
-};
-constexpr std::array kUnits{Unit{"um", 1e-3}, Unit{"mm", 1}, Unit{"cm", 10}, Unit{"m", 1000}, Unit{"in", 25.4}, Unit{"ft", 304.8}};
 
 FaultFound found_of(MeshFault fault, std::uint64_t count, std::string text, const Point3& at) {
   FaultFound found;
@@ -43,16 +39,16 @@ bool same_form(const Vec3& model, const Vec3& mesh, double ratio) {
 
 // The ratio of two units that is nearest to the one found: first of those from the model's own unit, then of any two.
 struct UnitGuess {
-  const char* mesh = nullptr;   // the numbers are those of this unit,
-  const char* model = nullptr;  // taken for this one
+  std::string_view mesh;   // the numbers are those of this unit,
+  std::string_view model;  // taken for this one
 };
 UnitGuess unit_with(double ratio, const std::string& unit) {
-  for (const Unit& a : kUnits)
-    for (const Unit& b : kUnits)
-      if (b.name == unit && &a != &b && alike(ratio, b.millimetres / a.millimetres)) return {a.name, b.name};
-  for (const Unit& a : kUnits)
-    for (const Unit& b : kUnits)
-      if (&a != &b && unit.empty() && alike(ratio, b.millimetres / a.millimetres)) return {a.name, b.name};
+  for (const LengthUnit& a : kLengthUnits)
+    for (const LengthUnit& b : kLengthUnits)
+      if (b.name == unit && &a != &b && alike(ratio, b.metres / a.metres)) return {a.name, b.name};
+  for (const LengthUnit& a : kLengthUnits)
+    for (const LengthUnit& b : kLengthUnits)
+      if (&a != &b && unit.empty() && alike(ratio, b.metres / a.metres)) return {a.name, b.name};
   return {};
 }
 
@@ -64,12 +60,12 @@ FaultFound size_fault(double ratio, const std::string& unit) {
   const UnitGuess direct = unit_with(ratio, unit);
   // A mesh that was converted once too often is as much too large as its unit is small.
   const UnitGuess twice = unit_with(1 / ratio, unit);
-  if (direct.mesh) {
+  if (!direct.mesh.empty()) {
     fault.fault = MeshFault::unit;
     fault.unit = direct.mesh;
     fault.text =
         fmt::format("the mesh is {} the model: its numbers look like {} where the model's are {}", times, direct.mesh, direct.model);
-  } else if (twice.mesh) {
+  } else if (!twice.mesh.empty()) {
     fault.fault = MeshFault::unit;
     fault.text =
         fmt::format("the mesh is {} the model: as if it had been converted from {} to {} once too often", times, twice.mesh, twice.model);

@@ -91,37 +91,6 @@ Result<std::vector<Tolerance>> tolerances_of(const CompareOptions& options) {
   return found;
 }
 
-std::string tolerance_text(const Tolerance& tolerance, const std::string& unit) {
-  const char* name = "";
-  switch (tolerance.unit) {
-    case ToleranceUnit::model:
-      name = unit.c_str();
-      break;
-    case ToleranceUnit::metre:
-      name = "m";
-      break;
-    case ToleranceUnit::centimetre:
-      name = "cm";
-      break;
-    case ToleranceUnit::millimetre:
-      name = "mm";
-      break;
-    case ToleranceUnit::micrometre:
-      name = "um";
-      break;
-    case ToleranceUnit::inch:
-      name = "in";
-      break;
-    case ToleranceUnit::foot:
-      name = "ft";
-      break;
-    case ToleranceUnit::diagonal:
-      name = "d";
-      break;
-  }
-  return *name ? fmt::format("{:g} {}", tolerance.value, name) : fmt::format("{:g}", tolerance.value);
-}
-
 RenderOptions render_options_of(const CompareOptions& options) {
   RenderOptions render;
   render.input = options.input;

@@ -43,9 +43,6 @@ Status check_request(const CompareOptions& options);
 // The tolerances asked for; 1e-2d, 1e-3d, 1e-4d where neither they nor meshes were.
 Result<std::vector<Tolerance>> tolerances_of(const CompareOptions& options);
 
-// "1e-3 d", "0.05 mm".
-std::string tolerance_text(const Tolerance& tolerance, const std::string& unit);
-
 // As `render` would be asked for the same picture.
 RenderOptions render_options_of(const CompareOptions& options);
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "patches/base/units.h"
 #include "patches/io/read_mesh.h"
 #include "raytracer/cmd/command.h"
 #include "raytracer/cmd/compare_cost.h"
@@ -20,18 +21,6 @@ constexpr int kSteps = 1000;  // of the progress of one mesh
 // Thrown by what hears of the progress, through the work that tells of it.
 struct Interrupted {};
 Error interrupted_error() { return {Exit::interrupted, {}, {}, "interrupted; the report is not written"}; }
-
-struct UnitLength {
-  const char* name;
-  double metres;
-};
-constexpr UnitLength kUnits[] = {{"um", 1e-6}, {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1}, {"in", 0.0254}, {"ft", 0.3048}};
-
-std::optional<double> metres_of(const std::string& unit) {
-  for (const UnitLength& u : kUnits)
-    if (u.name == unit) return u.metres;
-  return {};
-}
 
 // The mesh of the placed parts, in world coordinates.
 ForeignMesh mesh_of(const TraceScene& scene) {
@@ -244,7 +233,7 @@ Status CompareRun::compare_ours(const Tolerance& tolerance, bool pictures) {
   progress_.finish();
   if (!figures) return figures.error();
   ReportMesh mesh;
-  mesh.label = tolerance_text(tolerance, report_.unit);
+  mesh.label = text_of(tolerance, report_.unit);
   mesh.ours = true;
   mesh.tolerance = figures->settings.distance;
   const MeshTotals totals = totals_of(*figures);
