@@ -39,9 +39,19 @@ inline Dual2 operator*(const Dual2& a, const Dual2& b) {
           a.uv * b.f + a.u * b.v + a.v * b.u + a.f * b.uv,
           a.vv * b.f + 2 * a.v * b.v + a.f * b.vv};
 }
+inline Dual2 operator-(const Dual2& a) { return {-a.f, -a.u, -a.v, -a.uu, -a.uv, -a.vv}; }
+inline Dual2 operator-(const Dual2& a, const Dual2& b) { return a + -b; }
 // g(a) by the chain rule, from g, g' and g'' at a.f.
 inline Dual2 chain(const Dual2& a, double g, double g1, double g2) {
   return {g, g1 * a.u, g1 * a.v, g2 * a.u * a.u + g1 * a.uu, g2 * a.u * a.v + g1 * a.uv, g2 * a.v * a.v + g1 * a.vv};
+}
+inline Dual2 operator/(const Dual2& a, const Dual2& b) {
+  const double inverse = 1 / b.f;
+  return a * chain(b, inverse, -inverse * inverse, 2 * inverse * inverse * inverse);
+}
+inline Dual2 sqrt(const Dual2& a) {
+  const double root = std::sqrt(a.f);
+  return chain(a, root, 0.5 / root, -0.25 / (root * a.f));
 }
 inline Dual2 sin(const Dual2& a) {
   const double s = std::sin(a.f), c = std::cos(a.f);
