@@ -90,6 +90,13 @@ int point_count(const PatchBasis& basis) { return entry(basis).count(basis); }
 std::vector<int> points_from_next_corner(const PatchBasis& basis) { return entry(basis).from_next_corner(basis); }
 std::vector<int> points_of_side(const PatchBasis& basis, int side) { return entry(basis).of_side(basis, side); }
 
+std::vector<std::pair<int, int>> pairs_of(const PatchBasis& basis) {
+  std::vector<std::pair<int, int>> pairs;
+  if (basis.kind == PatchKind::gregory_quad)
+    for (int k = 0; k < 4; ++k) pairs.push_back({5 * k + 3, 5 * k + 4});
+  return pairs;
+}
+
 void weights_at(const PatchBasis& basis, const Vec2& st, std::span<double> W) { patch_weights<double>(basis, st.x, st.y, W.data()); }
 
 void weights_at(const PatchBasis& basis, const Vec2& st, std::span<Dual2> W) {
