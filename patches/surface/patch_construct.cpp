@@ -1,5 +1,6 @@
 #include "patches/surface/patch_construct.h"
 
+#include <cmath>
 #include <vector>
 
 namespace iso {
@@ -45,10 +46,22 @@ std::array<Vec3, 2> inner_pair(PatchKind kind, const Rows& rows, std::size_t k) 
   return {from_next + rows.fields[next].a1, from_own + rows.fields[k].a2};
 }
 
-Vec3 central_point(const std::vector<Vec3>& inner, std::span<const PatchCorner>) {
-  Vec3 sum(0.0);
-  for (const Vec3& p : inner) sum += p;
-  return sum / static_cast<double>(inner.size());
+// How far beyond the corners' mean the central point lies, in distances from it to the mean of the inner points: so that over a regular
+// polygon with the normals of a sphere the centre of the patch is on the sphere, up to fourth order in the polygon's size. Heights below
+// are over the plane through the corners of the unit circle, on z = (1 - x^2 - y^2) / 2; weights are those at the centre of a cubic patch.
+double central_reach(int sides) {
+  if (sides == 4) return 2;  // the central point has no weight
+  const double n = sides, c = std::cos(kTwoPi / n), h_rest = 2 / n, near = h_rest * h_rest;
+  const double on_side = (1 - c) / 3, inside = (1 - c) * (6 + 4 * c) / 9;
+  const double corner = near * h_rest / 8, boundary = near * (3 * h_rest + 3 * (1 - h_rest)) / 8, inner = near * (1 - h_rest) * 9 / 8;
+  const double central = 1 - n * (corner + boundary + inner);
+  return (0.5 - n * (boundary * on_side + inner * inside)) / (central * inside);
+}
+Vec3 central_point(const std::vector<Vec3>& inner, std::span<const PatchCorner> corners) {
+  Vec3 mean(0.0), inside(0.0);
+  for (const PatchCorner& c : corners) mean += c.point / static_cast<double>(corners.size());
+  for (const Vec3& p : inner) inside += p / static_cast<double>(inner.size());
+  return mean + central_reach(static_cast<int>(corners.size())) * (inside - mean);
 }
 
 std::string fault_of(const PatchBasis& basis, std::span<const PatchCorner> corners) {
@@ -64,7 +77,13 @@ std::string fault_of(const PatchBasis& basis, std::span<const PatchCorner> corne
 
 CubicPoints boundary_cubic(const Vec3& p0, const Vec3& n0, const Vec3& p1, const Vec3& n1) {
   const Vec3 chord = p1 - p0;
-  return {p0, p0 + in_tangent_plane(chord, n0) / 3.0, p1 - in_tangent_plane(chord, n1) / 3.0, p1};
+  const double length = glm::length(chord);
+  const auto leg = [&](const Vec3& normal) {
+    const Vec3 tangent = in_tangent_plane(chord, normal);
+    const double part = glm::length(tangent);  // length times the cosine of the angle between them
+    return part > 0 ? tangent * (2 * length * length / (3 * part * (length + part))) : Vec3(0.0);
+  };
+  return {p0, p0 + leg(n0), p1 - leg(n1), p1};
 }
 
 CrossField join_field(const CubicPoints& boundary, const Vec3& a0, const Vec3& a3, const Vec3& n0, const Vec3& n1) {
