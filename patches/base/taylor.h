@@ -116,6 +116,29 @@ struct PowerSeries {
   }
   friend PowerSeries operator/(const PowerSeries& x, const PowerSeries& y) { return x * inverse(y); }
 
+  // sqrt(c0) sum binomial(1/2, k) (g / c0)^k; where x may vanish, all that lies between 0 and its largest root.
+  friend PowerSeries sqrt(const PowerSeries& x) {
+    if (!x.bounded_away()) {
+      PowerSeries any(0.5 * std::sqrt(x.magnitude()));
+      any.radius = any.c[0];
+      return any;
+    }
+    PowerSeries g = x, sum(1.0), power(1.0);
+    g.c[0] = 0;
+    g = g * (1 / x.c[0]);
+    double binomial = 1;
+    for (int k = 1; k <= kOrder; ++k) {
+      binomial *= (1.5 - k) / k;
+      power = power * g;
+      sum = sum + power * binomial;
+    }
+    if constexpr (kModel) {
+      const double ratio = g.spread();
+      sum.radius += std::pow(ratio, kOrder + 1) / (1 - ratio);
+    }
+    return sum * std::sqrt(x.c[0]);
+  }
+
   // Of a sum a + b of what is not negative: whether it may be divided by.
   bool bounded_away() const { return kModel ? c[0] - spread() > 0.02 * c[0] : c[0] > 0; }
 

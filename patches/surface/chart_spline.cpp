@@ -14,7 +14,7 @@ namespace {
 constexpr int kDegree = 5;
 
 // Where the cells meet. Toward the corner the blend of two sides changes by the direction alone, whatever the distance: cells halve there.
-constexpr std::array kNodes{0.0, 1.0 / 12, 1.0 / 6, 1.0 / 3, 2.0 / 3, 1.0};
+constexpr std::array kNodes{0.0, 1.0 / 24, 1.0 / 12, 1.0 / 6, 1.0 / 3, 1.0 / 2, 3.0 / 4, 1.0};
 constexpr int kNodeCount = kNodes.size(), kCells = kNodeCount - 1;
 
 // What the rounding of weights, poles and Taylor coefficients may come to; the weights are of the size of one.
@@ -163,7 +163,9 @@ class SplineMaker {
         for (const double y : {box.lo.y, middle.y}) prove(i, j, {{x, y}, Vec2(x, y) + half}, level + 1, out);
       return;
     }
-    const auto include = [](double& worst, const Taylor& e) { worst = std::max(worst, e.magnitude()); };
+    const auto include = [](double& worst, const Taylor& e) {
+      if (!(e.magnitude() <= worst)) worst = finite(e.magnitude()) ? e.magnitude() : kInf;
+    };
     for (int m = 0; m < points_; ++m) include(out.error[m], difference[m]);
     for (std::size_t p = 0; p < out.pairs.size(); ++p) {
       const Taylor &a = difference[out.pairs[p].first], &b = difference[out.pairs[p].second];
