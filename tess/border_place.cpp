@@ -7,8 +7,8 @@ namespace {
 // A knot nearer than this share of the domain is met; so far beyond it derivatives are taken.
 constexpr double kAtKnot = 1e-9;
 
-// Below this ratio of the two speeds, or sine of the angle between them, the first derivatives span no plane that second ones could be
-// related to: curvatures would be rounding.
+// Where a speed falls below this share of the other one or of the edge's length, or the sine of the angle between both below it, the first
+// derivatives span no plane that second ones could be related to: curvatures would be rounding.
 constexpr double kSingular = 1e-6;
 
 const std::vector<double>* knots_of(const Curve3& profile) {
@@ -46,9 +46,9 @@ Jet2 one_sided_jet(const AnySurface& surface, const UV& uv, const Vec2& step) {
           back(one.Suu, two.Suu), back(one.Suv, two.Suv), back(one.Svv, two.Svv)};
 }
 
-bool is_regular(const Jet2& j, const Vec2& size) {
+bool is_regular(const Jet2& j, const Vec2& size, double length) {
   const double u = size.x * glm::length(j.Su), v = size.y * glm::length(j.Sv);
-  return std::min(u, v) > kSingular * std::max(u, v) &&
+  return std::min(u, v) > kSingular * std::max({u, v, length}) &&
          glm::length(glm::cross(j.Su, j.Sv)) > kSingular * glm::length(j.Su) * glm::length(j.Sv);
 }
 
@@ -62,7 +62,8 @@ double normal_curvature(const Jet2& j, const Vec3& n, const Vec3& d) {
 
 }  // namespace
 
-BorderPlace border_place(const Face& face, const EdgeUse& use, double share, bool left, int ahead) {
+BorderPlace border_place(const Face& face, const EdgeUse& use, double share, const BorderSide& side) {
+  const auto [left, ahead, length] = side;
   BorderPlace place;
   const auto curve = jet(use.curve.curve, parameter_at(use, share));
   const Vec2 rising = (parameter_at(use, 1) - parameter_at(use, 0)) * curve.Ct;
@@ -74,7 +75,7 @@ BorderPlace border_place(const Face& face, const EdgeUse& use, double share, boo
   const Vec2 step = step_off_knots(face, place.uv, inward + 1e-3 * static_cast<double>(ahead) * rising);
   const Jet2 j = one_sided_jet(face.surface, place.uv, step);
   place.S = point(face.surface, place.uv);
-  place.regular = is_regular(j, size);
+  place.regular = is_regular(j, size, length);
   const Vec3 normal = place.regular ? glm::normalize(glm::cross(j.Su, j.Sv)) : unit_normal(face.surface, place.uv + step, face.domain);
   place.normal = (left ? 1.0 : -1.0) * normal;
   place.tangent = rising.x * j.Su + rising.y * j.Sv;

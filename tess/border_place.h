@@ -17,9 +17,14 @@ struct BorderPlace {
   bool regular = false;             // the first derivatives span the tangent plane; else the normal is a limit
 };
 
-// `left`: see face_side.h. `ahead`: +1 or -1. Where knots of the surface meet at the place, derivatives are those of the piece that lies
-// inside the face and on the way to rising shares (ahead > 0) or falling ones; all others belong to other places.
-BorderPlace border_place(const Face& face, const EdgeUse& use, double share, bool left, int ahead);
+// How a border is looked at.
+struct BorderSide {
+  bool left = true;  // the face lies left of it, see face_side.h
+  int ahead = 1;     // +1 or -1: where knots of the surface cross the border at the place, derivatives are those of the piece on the way to
+                     // rising shares, or falling ones; always of the piece inside the face
+  double length = 0;  // of the edge, about, world units
+};
+BorderPlace border_place(const Face& face, const EdgeUse& use, double share, const BorderSide& side);
 
 // The distance of p from the surface near (u, v), within its natural domain, by Newton steps; however the face is trimmed.
 double distance_to_surface(const AnySurface& surface, UV uv, const Point3& p);

@@ -31,6 +31,7 @@ struct UsePair {
   const Face *a, *b;
   const EdgeUse *use_a, *use_b;
   bool left_a = true, left_b = false;
+  double length = 0;  // of the edge
 };
 
 bool is_slit(const UsePair& pair) {
@@ -50,9 +51,9 @@ double share_beside(const UsePair& pair, const Point3& p, double share) {
 // What is measured at a place of the edge. `limits`: normals are told of singular places too.
 ContinuitySample measured(const UsePair& pair, double share, bool limits) {
   const int ahead = share < 1 ? 1 : -1;
-  const BorderPlace a = border_place(*pair.a, *pair.use_a, share, pair.left_a, ahead);
+  const BorderPlace a = border_place(*pair.a, *pair.use_a, share, {pair.left_a, ahead, pair.length});
   // The face goes on through the edge: what is left of it on one face is right of it on the other.
-  BorderPlace b = border_place(*pair.b, *pair.use_b, share_beside(pair, a.S, share), pair.left_b, ahead);
+  BorderPlace b = border_place(*pair.b, *pair.use_b, share_beside(pair, a.S, share), {pair.left_b, ahead, pair.length});
   b.normal = -b.normal;
   b.curvature = -b.curvature;
 
@@ -165,7 +166,7 @@ class EdgeMeasurement {
       result.samples = bare_samples(edge.uses[0], count);
       return result;
     }
-    for (std::size_t k = 1; k < edge.uses.size(); ++k) add_pair(pair_of(edge.uses[0], edge.uses[k]), count, result);
+    for (std::size_t k = 1; k < edge.uses.size(); ++k) add_pair(pair_of(edge.uses[0], edge.uses[k], result.length), count, result);
     for (const EdgeContinuity::Side& side : result.sides)
       result.sewn =
           result.sewn || (side.part_edge != result.sides[0].part_edge) || (side.part_edge < 0 && side.face != result.sides[0].face);
@@ -202,11 +203,11 @@ class EdgeMeasurement {
     return samples;
   }
 
-  UsePair pair_of(int first, int second) const {
+  UsePair pair_of(int first, int second, double length) const {
     const auto i = static_cast<std::size_t>(first), j = static_cast<std::size_t>(second);
     const EdgeUse &a = boundary_.uses[i], &b = boundary_.uses[j];
     UsePair pair{
-        &part_.faces[static_cast<std::size_t>(a.face)], &part_.faces[static_cast<std::size_t>(b.face)], &a, &b, left_[i], left_[j]};
+        &part_.faces[static_cast<std::size_t>(a.face)], &part_.faces[static_cast<std::size_t>(b.face)], &a, &b, left_[i], left_[j], length};
     if (is_slit(pair)) pair.left_b = !pair.left_a;
     return pair;
   }

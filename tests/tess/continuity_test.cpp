@@ -327,6 +327,39 @@ TEST(Continuity, OfAnEdgeOfThreeSheetsOnlyTheGapIsTold) {
   EXPECT_FALSE(edge[Measure::curvature].known());
 }
 
+// The curvature at the begin of a plane cubic Bezier curve.  [Farin 2002, 11.1]
+double end_curvature(const Vec2& b0, const Vec2& b1, const Vec2& b2) {
+  const Vec2 d1 = b1 - b0, d2 = b2 - b1;
+  return 2.0 / 3 * (d1.x * d2.y - d1.y * d2.x) / std::pow(glm::length(d1), 3);
+}
+
+TEST(Continuity, BordersOfTheTeapotAreTangentWhereItsPatchesMeet) {
+  const auto model = load(data("patches/teapot.bpt"));
+  ASSERT_TRUE(model);
+  const Continuity c = measure_continuity(model->parts[0]);
+  // Handle, spout and body run through each other, and the lid lies on the rim: they share no edges.
+  EXPECT_EQ(count(c, EdgeKind::shared), 52);
+  EXPECT_EQ(count(c, EdgeKind::free), 16);
+  EXPECT_EQ(count(c, EdgeKind::degenerate), 8);
+  EXPECT_LT(largest(c, Measure::gap), 1e-14);
+  EXPECT_LT(largest(c, Measure::normal), 1e-6 * kDegree);
+
+  // The rim (patches 1 to 4) ends where the body (5 to 8) begins, as it were turned about the axis: at the four corners the jump is that of
+  // the meridian's two cubics, of which the body's begins straight.
+  const double rim = end_curvature({1.5, 2.4}, {1.4375, 2.53125}, {1.3375, 2.53125});
+  int corners = 0;
+  for (const EdgeContinuity& edge : c.edges) {
+    if (edge.kind != EdgeKind::shared || std::minmax(edge.sides[0].face, edge.sides[1].face).second > 7) continue;
+    const ContinuitySample& first = edge.samples.front();
+    const Point3 p = model->instances[0].to_model.point(first.place);
+    if (edge.sides[0].face / 4 == edge.sides[1].face / 4 || std::abs(p.z - 2.4) > 1e-12) continue;
+    EXPECT_NEAR(std::hypot(p.x, p.y), 1.5, 1e-12);
+    EXPECT_NEAR(first.value[static_cast<std::size_t>(Measure::curvature)], std::abs(rim), 1e-10);
+    ++corners;
+  }
+  EXPECT_EQ(corners, 4);
+}
+
 TEST(Continuity, SewingMayBeOff) {
   LooseFaces faces;
   add_floor(faces);
