@@ -23,6 +23,17 @@ const std::vector<double>* knots_of(const AnySurface& surface, int axis) {
   return nullptr;
 }
 
+// To which side of knots in u and in v derivatives are taken: where the border crosses them, on along it, on both faces alike; where it
+// runs along them, into the face. Lengths are measured in domains.
+Vec2 side_of_knots(const Vec2& rising, const Vec2& size, const BorderSide& side) {
+  constexpr double kAlong = 1e-3;  // of the border's direction: less is rounding of trim curves that follow knots
+  const Vec2 r = rising / size;
+  const Vec2 inward = (side.left ? 1.0 : -1.0) * Vec2(-r.y, r.x);
+  Vec2 direction;
+  for (const int axis : {0, 1}) direction[axis] = std::abs(r[axis]) > kAlong * glm::length(r) ? side.ahead * r[axis] : inward[axis];
+  return direction;
+}
+
 // The step that leads off the knots inside the domain that (u, v) lies on, zero where it lies on none.
 Vec2 step_off_knots(const Face& face, const UV& uv, const Vec2& direction) {
   Vec2 step{0.0};
@@ -69,10 +80,8 @@ BorderPlace border_place(const Face& face, const EdgeUse& use, double share, con
   const Vec2 rising = (parameter_at(use, 1) - parameter_at(use, 0)) * curve.Ct;
   place.uv = curve.C;
 
-  // Into the face, and a little along the border, measured in domains; where one of them runs along a knot the other decides.
   const Vec2 size = face.domain.size();
-  const Vec2 inward = (left ? 1.0 : -1.0) * Vec2(-rising.y / size.y * size.x, rising.x / size.x * size.y);
-  const Vec2 step = step_off_knots(face, place.uv, inward + 1e-3 * static_cast<double>(ahead) * rising);
+  const Vec2 step = step_off_knots(face, place.uv, side_of_knots(rising, size, side));
   const Jet2 j = one_sided_jet(face.surface, place.uv, step);
   place.S = point(face.surface, place.uv);
   place.regular = is_regular(j, size, length);

@@ -192,6 +192,78 @@ TEST(Continuity, BezierPatchesOfASmoothSplineJumpByRounding) {
   }
 }
 
+// Both halves of a box in (u, v), cut from corner to corner or across the middle; the cut is the edge of the file that they share.
+Part cut_surface(const AnySurface& surface, const Box2& box, bool obliquely, bool turned) {
+  const double middle = 0.5 * (box.lo.x + box.hi.x);
+  const UV a = obliquely ? box.lo : UV(middle, box.lo.y), b = obliquely ? box.hi : UV(middle, box.hi.y);
+  const std::vector<UV> right = obliquely ? std::vector<UV>{{box.hi.x, box.lo.y}} : std::vector<UV>{box.hi, {box.hi.x, box.lo.y}};
+  const std::vector<UV> left = obliquely ? std::vector<UV>{{box.lo.x, box.hi.y}} : std::vector<UV>{{box.lo.x, box.hi.y}, box.lo};
+  LooseFaces faces;
+  for (const bool first : {true, false}) {
+    std::vector<UV> corners = first ? right : left;
+    corners.push_back(a);
+    TrimLoop loop;
+    faces.add_line(loop, a, b);
+    UV from = b;
+    for (const UV& to : corners) {
+      faces.add_line(loop, from, to);
+      from = to;
+    }
+    loop.curves[0].edge = 0;
+    faces.add_face(surface, {loop}, box).reversed = turned && first;
+  }
+  faces.part.edges[0].uses = 2;
+  return faces.part;
+}
+
+TEST(Continuity, ACutThroughASmoothSurfaceOfAnyKindIsSmooth) {
+  Random random(20261122);
+  int checked = 0;
+  for (int round = 0; round < 4; ++round)
+    for (const SurfaceCase& of : random_surfaces(random)) {
+      // A box between knots and away from poles and apexes.
+      Box2 box;
+      for (const int axis : {0, 1}) {
+        std::vector<double> at = breaks(of.surface, axis);
+        std::erase_if(at, [&](double t) { return t <= of.uv.lo[axis] || t >= of.uv.hi[axis]; });
+        const double lo = of.uv.lo[axis], hi = at.empty() ? of.uv.hi[axis] : at[0];
+        box.lo[axis] = lo + 0.2 * (hi - lo);
+        box.hi[axis] = lo + 0.8 * (hi - lo);
+      }
+      const bool obliquely = round % 2 == 0, turned = round / 2 == 0;
+      const Part part = cut_surface(of.surface, box, obliquely, turned);
+      const Continuity c = measure_continuity(part, {-1});
+      const EdgeContinuity edge = only(c);
+      EXPECT_LT(edge[Measure::gap].max, 1e-12 * part.box.diagonal()) << of.name;
+      EXPECT_LT(edge[Measure::normal].max, 1e-12) << of.name;
+      EXPECT_EQ(edge.misoriented, turned) << of.name;
+      if (edge[Measure::curvature].known()) {
+        EXPECT_LT(edge[Measure::curvature].max * part.box.diagonal(), 1e-6) << of.name;
+      }
+      ++checked;
+    }
+  EXPECT_EQ(checked, 4 * static_cast<int>(kSurfaceCases));
+}
+
+TEST(Continuity, AnEdgeThatCrossesKnotsIsSmoothOnThem) {
+  // A cut square to the crease of two parabolas with unlike second derivatives, and one that crosses it obliquely, with samples on it.
+  const NurbsSurface s = two_parabolas(0.5, 2);
+  NurbsSurface turned = s;
+  std::swap(turned.degree_u, turned.degree_v);
+  std::swap(turned.count_u, turned.count_v);
+  std::swap(turned.knots_u, turned.knots_v);
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 4; ++j) turned.poles[static_cast<std::size_t>(i * 4 + j)] = s.poles[static_cast<std::size_t>(j * 2 + i)];
+  for (const bool obliquely : {false, true}) {
+    const EdgeContinuity edge = only(measure_continuity(cut_surface(turned, {{0, -1}, {1, 1}}, obliquely, false), {-1}));
+    int on_the_crease = 0;
+    for (const ContinuitySample& sample : edge.samples) on_the_crease += std::abs(sample.place.x) < 1e-12;
+    EXPECT_GT(on_the_crease, 0);
+    EXPECT_LT(edge[Measure::normal].max, 1e-14);
+    EXPECT_LT(edge[Measure::curvature].max, 1e-12);
+  }
+}
+
 TEST(Continuity, AMovedFaceLeavesAGapOfThatLength) {
   const double d = 1e-3;
   const struct {
