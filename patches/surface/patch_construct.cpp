@@ -7,6 +7,9 @@ namespace iso {
 
 namespace {
 
+// What is left of a chord at right angles to the plane when it is projected, by rounding: a few units in the last place of its length.
+constexpr double kNoTangent = 16 * kEps;
+
 Vec3 in_tangent_plane(const Vec3& v, const Vec3& normal) { return v - glm::dot(v, normal) * normal; }
 
 // Across the boundary, in the tangent plane, of length 1; zero if the boundary has no tangent.
@@ -82,9 +85,11 @@ CubicPoints boundary_cubic(const Vec3& p0, const Vec3& n0, const Vec3& p1, const
   const Vec3 chord = p1 - p0;
   const double length = glm::length(chord);
   const auto leg = [&](const Vec3& normal) {
-    const Vec3 tangent = in_tangent_plane(in_tangent_plane(chord, normal), normal);  // twice: at right angles when short, too
-    const double part = glm::length(tangent);                                        // length times the cosine of the angle between them
-    return part > 0 ? tangent * (2 * length * length / (3 * part * (length + part))) : Vec3(0.0);
+    const Vec3 projected = in_tangent_plane(chord, normal);
+    if (!(glm::length(projected) > kNoTangent * length)) return Vec3(0.0);
+    const Vec3 tangent = in_tangent_plane(projected, normal);  // again: at right angles when short, too
+    const double part = glm::length(tangent);                  // length times the cosine of the angle between them
+    return tangent * (2 * length * length / (3 * part * (length + part)));
   };
   return {p0, p0 + leg(n0), p1 - leg(n1), p1};
 }

@@ -27,6 +27,12 @@ TEST(PatchConstruct, BoundaryCurvesAreTheSameFromBothEnds) {
   // No tangent: the end has two points in one place.
   const CubicPoints bare = boundary_cubic({0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 0, 1});
   EXPECT_EQ(bare[0], bare[1]);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 p = random.vector(), normal = unit(random.vector());
+    const CubicPoints curve = boundary_cubic(p, normal, p + 3.0 * normal, unit(random.vector()));
+    ASSERT_EQ(curve[0], curve[1]);
+    ASSERT_NE(curve[2], curve[3]);
+  }
 }
 
 // Arcs of circles up to sixth order of their angle.

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "patches/base/barycentric.h"
 #include "patches/surface/bezier_triangle.h"
 #include "patches/surface/patch_basis.h"
 #include "tests/support/n_sided.h"
@@ -111,6 +112,111 @@ TEST(PatchTruth, GregoryTriangleWithEqualPairsIsItsQuarticBezierTriangle) {
     worst = std::max(worst, glm::length(point_at(basis, p, st) - point_at(quartic, raised.points, st)));
   }
   EXPECT_LT(worst, 1e-14);
+}
+
+// ---- The formulas as they are printed ----------------------------------------------------------------------------------------
+
+// phi at a place of the chart, by the general formulas of polygons.
+std::vector<double> coordinates(const PatchBasis& basis, const Vec2& st) {
+  std::vector<Vec2> corners;
+  for (int k = 0; k < basis.sides; ++k) corners.push_back(domain_corner(basis.sides, k));
+  const auto kind = basis.parameters == SideParameters::mean_value ? BarycentricKind::mean_value : BarycentricKind::wachspress;
+  std::vector<double> phi;
+  for (const Dual2& c : coordinates_at(*barycentric_polygon(kind, corners), domain_point(basis.sides, st))) phi.push_back(c.f);
+  return phi;
+}
+
+// [Varady, Salvi, Kariko 2016]: every ribbon with all its points, each side's copy with its own factor.
+TEST(PatchTruth, GeneralisedBezierIsTheSumOfItsRibbons) {
+  Numbers random(15);
+  int checked = 0;
+  for (const PatchBasis& basis : every_basis()) {
+    if (basis.kind != PatchKind::generalised_bezier) continue;
+    const int n = basis.sides, d = basis.degree, rows = (d + 1) / 2;
+    const std::vector<Vec3> points = random.points(basis);
+    // The points in the order of the files, each put where both sides find it. ribbon[side][j][r]
+    std::vector<std::vector<std::vector<Vec3>>> ribbon(n, std::vector(d + 1, std::vector<Vec3>(d + 1)));
+    std::size_t at = 1;
+    for (int r = 0; r < rows; ++r)
+      for (int i = 1; i <= n; ++i)
+        for (int j = r; j < d - r; ++j, ++at) {
+          ribbon[i % n][j][r] = points[at];
+          ribbon[i - 1][d - r][j] = points[at];
+          ribbon[(i + 1) % n][r][d - j] = points[at];
+        }
+    ASSERT_EQ(at, points.size());
+    for (int repeat = 0; repeat < 10; ++repeat, ++checked) {
+      const Vec2 st(random(0.02, 1), random(0.02, 1));
+      const std::vector<double> phi = coordinates(basis, st);
+      const auto h = [&](int i) { return 1 - phi[(i + n) % n] - phi[(i + n - 1) % n]; };
+      Vec3 sum(0.0);
+      double whole = 0;
+      for (int i = 0; i < n; ++i)
+        for (int r = 0; r < rows; ++r)
+          for (int j = 0; j <= d; ++j) {
+            double factor = 1;
+            if (r < 2 && j < 2) {
+              factor = h(i - 1) / (h(i - 1) + h(i));
+            } else if (r < 2 && j > d - 2) {
+              factor = h(i + 1) / (h(i + 1) + h(i));
+            } else if (j == r || j == d - r) {
+              factor = 0.5;
+            } else if (j < r || j > d - r) {
+              factor = 0;
+            }
+            const double s = phi[i] / (phi[i] + phi[(i + n - 1) % n]), w = factor * bernstein(d, j, s) * bernstein(d, r, h(i));
+            sum += w * ribbon[i][j][r];
+            whole += w;
+          }
+      sum += (1 - whole) * points[0];
+      ASSERT_LT(glm::length(sum - point_at(basis, points, st)), 1e-12) << told(basis);
+    }
+  }
+  EXPECT_GT(checked, 900);
+}
+
+// [Hettinga 2021, 8.2.5] with its erratum: curves, fields and their derivatives, corner by corner.
+TEST(PatchTruth, CharrotGregoryIsTheSumOfItsCorners) {
+  Numbers random(16);
+  int checked = 0;
+  for (const PatchBasis& basis : every_basis()) {
+    if (basis.kind != PatchKind::charrot_gregory) continue;
+    const int n = basis.sides;
+    const std::vector<Vec3> points = random.points(basis);
+    const auto around = [&](int k) { return (k + 2 * n) % n; };
+    const auto curve = [&](int k) { return chosen(points, points_of_side(basis, around(k))); };
+    const auto field = [&](int k) {
+      const int from = 5 * around(k - 1), to = 5 * around(k);
+      const std::vector<Vec3> row = chosen(points, {from + 2, from + 3, to + 4, to + 1}), side = curve(k);
+      std::vector<Vec3> t;
+      for (int j = 0; j < 4; ++j) t.push_back(3.0 * (row[j] - side[j]));
+      return t;
+    };
+    for (int repeat = 0; repeat < 10; ++repeat, ++checked) {
+      const Vec2 st(random(0.02, 1), random(0.02, 1)), x = domain_point(n, st);
+      const std::vector<double> phi = coordinates(basis, st);
+      const auto d = [&](int k) {
+        const Vec2 a = domain_corner(n, k - 1), b = domain_corner(n, k), inward = Vec2(a.y - b.y, b.x - a.x) / glm::length(b - a);
+        return basis.parameters == SideParameters::distance ? glm::dot(x - a, inward) : 1 - phi[around(k)] - phi[around(k - 1)];
+      };
+      Vec3 sum(0.0);
+      double whole = 0;
+      for (int i = 0; i < n; ++i) {
+        const double u = d(i) / (d(i) + d(i + 2)), v = d(i + 1) / (d(i - 1) + d(i + 1));
+        const std::vector<Vec3> p = curve(i), p1 = curve(i + 1), t = field(i), t1 = field(i + 1);
+        const Vec3 twist = (-u * curve_at(legs(t), 1) + v * curve_at(legs(t1), 0)) * (u * v / (u + v));
+        const Vec3 c =
+            -p1[0] - v * t1[0] - u * t[3] + curve_at(p1, u) + v * curve_at(t1, u) + curve_at(p, 1 - v) + u * curve_at(t, 1 - v) - twist;
+        double w = 1;
+        for (int k = 0; k < n; ++k)
+          if (k != i && k != around(i + 1)) w *= d(k) * d(k);
+        sum += w * c;
+        whole += w;
+      }
+      ASSERT_LT(glm::length(sum / whole - point_at(basis, points, st)), 1e-12) << told(basis);
+    }
+  }
+  EXPECT_GT(checked, 200);
 }
 
 }  // namespace
