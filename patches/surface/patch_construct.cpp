@@ -7,6 +7,9 @@ namespace iso {
 
 namespace {
 
+// What is left of a chord at right angles to the plane when it is projected, by rounding: a few units in the last place of its length.
+constexpr double kNoTangent = 16 * kEps;
+
 Vec3 in_tangent_plane(const Vec3& v, const Vec3& normal) { return v - glm::dot(v, normal) * normal; }
 
 // Across the boundary, in the tangent plane, of length 1; zero if the boundary has no tangent.
@@ -24,12 +27,15 @@ struct Rows {
 
 Rows rows_of(PatchKind kind, std::span<const PatchCorner> corners, std::span<const CubicPoints> curves) {
   const std::size_t n = corners.size();
-  // The row next to a side of a quartic triangle starts at a quartic point of the side before: three quarters of the cubic leg.
-  const double leg = kind == PatchKind::gregory_triangle ? 0.75 : 1;
   Rows rows{.curves = {curves.begin(), curves.end()}, .fields = {}};
   for (std::size_t k = 0; k < n; ++k) {
     const CubicPoints &own = curves[k], &before = curves[(k + n - 1) % n], &next = curves[(k + 1) % n];
-    const Vec3 a0 = leg * (before[2] - before[3]), a3 = leg * (next[1] - next[0]);
+    Vec3 a0 = before[2] - before[3], a3 = next[1] - next[0];
+    // A quartic triangle's row goes from its points on the sides before and after; what it starts from is the side's point a step back.
+    if (kind == PatchKind::gregory_triangle) {
+      a0 = 0.75 * a0;
+      a3 = 0.75 * (a3 + own[3] - own[2]);
+    }
     rows.fields.push_back(join_field(own, a0, a3, corners[(k + n - 1) % n].normal, corners[k].normal));
   }
   return rows;
@@ -79,9 +85,11 @@ CubicPoints boundary_cubic(const Vec3& p0, const Vec3& n0, const Vec3& p1, const
   const Vec3 chord = p1 - p0;
   const double length = glm::length(chord);
   const auto leg = [&](const Vec3& normal) {
-    const Vec3 tangent = in_tangent_plane(chord, normal);
-    const double part = glm::length(tangent);  // length times the cosine of the angle between them
-    return part > 0 ? tangent * (2 * length * length / (3 * part * (length + part))) : Vec3(0.0);
+    const Vec3 projected = in_tangent_plane(chord, normal);
+    if (!(glm::length(projected) > kNoTangent * length)) return Vec3(0.0);
+    const Vec3 tangent = in_tangent_plane(projected, normal);  // again: at right angles when short, too
+    const double part = glm::length(tangent);                  // length times the cosine of the angle between them
+    return tangent * (2 * length * length / (3 * part * (length + part)));
   };
   return {p0, p0 + leg(n0), p1 - leg(n1), p1};
 }
