@@ -40,6 +40,24 @@ struct RibbonWeights {
     if (k == 0) return blend(from_own, from_next, X, Y);
     return (from_own * X + from_next * Y) / (from_own + from_next);
   }
+  // The weight of corner k itself. Near corner 0 it is 1 less a blend of small numbers, since the difference of the two near 1 is all
+  // rounding.
+  T of_corner(int k) const {
+    const int next = (k + 1) % sides;
+    if (k != 0) return at_corner(k, in_ribbon(next, 0, 0), in_ribbon(k, degree, 0));
+    const T lost_next = lost(at.s[next], at.s_rest[next], at.h[next], at.h_rest[next]);
+    const T lost_own = lost(at.s_rest[k], at.s[k], at.h[k], at.h_rest[k]);
+    return T(1.0) - at_corner(k, lost_next, lost_own);
+  }
+
+ private:
+  // 1 - (1 - s)^d (1 - h)^d, as a multiple of s + h - s h.
+  T lost(const T& s, const T& s_rest, const T& h, const T& h_rest) const {
+    const T left = s_rest * h_rest;
+    T sum(1.0);
+    for (int k = 1; k < degree; ++k) sum = sum * left + T(1.0);
+    return (s + h * s_rest) * sum;
+  }
 };
 
 // Generalised Gregory, degree 3: five points a corner as in gregory-inl.h, and the central point last.
@@ -51,7 +69,7 @@ void generalised_gregory_weights(const DomainPoint<T>& x, SideParameters paramet
   for (int k = 0; k < x.sides; ++k) {
     const int next = (k + 1) % x.sides;
     T* of = W + 5 * k;
-    of[0] = ribbon.at_corner(k, ribbon.in_ribbon(next, 0, 0), ribbon.in_ribbon(k, 3, 0));
+    of[0] = ribbon.of_corner(k);
     of[1] = ribbon.at_corner(k, ribbon.in_ribbon(next, 1, 0), ribbon.in_ribbon(k, 3, 1));
     of[2] = ribbon.at_corner(k, ribbon.in_ribbon(next, 0, 1), ribbon.in_ribbon(k, 2, 0));
     of[3] = ribbon.at_corner(k, ribbon.in_ribbon(next, 1, 1), none);
@@ -82,7 +100,9 @@ void generalised_bezier_weights(int degree, const DomainPoint<T>& x, SideParamet
       for (int j = r; j < d - r; ++j) {
         T& w = W[ribbon_index(n, d, next, j, r)];
         const bool at_start = r < 2 && j < 2, at_end = r == 0 && j == d - 1;
-        if (at_start)
+        if (r == 0 && j == 0)
+          w = ribbon.of_corner(k);
+        else if (at_start)
           w = ribbon.at_corner(k, ribbon.in_ribbon(next, j, r), ribbon.in_ribbon(own, d - r, j));
         else if (at_end)
           w = ribbon.at_corner(next, ribbon.in_ribbon((next + 1) % n, 0, 1), ribbon.in_ribbon(next, j, r));
