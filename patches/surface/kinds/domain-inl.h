@@ -34,10 +34,12 @@ inline Dual2 blend(const Dual2& a, const Dual2& b, const Dual2& X, const Dual2& 
 // something that vanishes there to second order. Number types that hold ranges have a `share` of their own.
 inline double share(double a, double b) {
   const double sum = corner_sum(a, b);
+  if (sum != a + b) return 0.5 + 0.5 * (a - b) / sum;
   return sum != 0 ? a / sum : 0.5;
 }
 inline Dual2 share(const Dual2& a, const Dual2& b) {
   const Dual2 sum = corner_sum(a, b);
+  if (sum.f != a.f + b.f) return 0.5 + 0.5 * (a - b) / sum;
   return sum.f != 0 ? a / sum : Dual2(0.5);
 }
 
