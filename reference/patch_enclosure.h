@@ -6,7 +6,7 @@
 
 namespace iso::reference {
 
-using Model = PowerSeries<2, true>;
+using Model = PowerSeries<3, true>;
 
 struct Enclosure {
   Model f, s, t;  // over the box as |a|, |b| <= 1; s and t are derivatives in (s, t), not in (a, b)

@@ -9,13 +9,14 @@ namespace iso::reference {
 
 namespace {
 
-static_assert(Model::kCount == 6);
+static_assert(Model::kCount == 10);
 constexpr double kRounding = 1e-14;    // sizes: what bounds and points may be rounded by
 constexpr double kSmallest = 0x1p-27;  // of a chart: a line that touches is not told from one that does not within its square
 constexpr double kKept = 0x1p-9;       // of a chart: smaller boxes are bounded anew each time
 constexpr double kOneToOne = 0.9;      // how much of a tangent may vary, below 1
 constexpr double kBeyond = 1e-10;      // half widths: roots on a border are found from both sides of it
-constexpr double kTwice = 1e-10;       // sizes: meetings nearer than that are one
+const Vec2 kCorners[4] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};  // of a box, whose quarters they name
+constexpr double kTwice = 1e-10;                            // sizes: meetings nearer than that are one
 
 struct Place {
   Vec3 S{0.0}, Ss{0.0}, St{0.0};
@@ -112,12 +113,35 @@ void PatchIntersector::bound(const NSidedPatch& patch, Bounds& box) const {
   box.known = true;
 }
 
-// Whether both planes of the line pass what is bounded. Bounds that are not numbers bound nothing.
+// Whether both planes of the line pass what is bounded: over the whole box, or over one quarter of it, by the polynomial about the
+// quarter's middle. Bounds that are not numbers bound nothing.
 bool PatchIntersector::may_meet(const Bounds& box, const Line& line) const {
   for (const Vec3& n : line.n) {
     double reach = glm::dot(absolute(n), box.radius);
     for (std::size_t k = 1; k < kTerms; ++k) reach += std::abs(glm::dot(n, box.c[k]));
     if (std::abs(glm::dot(n, box.c[0] - line.o)) > reach) return false;
+  }
+  return true;
+}
+bool PatchIntersector::may_meet_quarter(const Bounds& box, const Vec2& corner, const Line& line) const {
+  constexpr double kChoose[4][4] = {{1, 0, 0, 0}, {1, 1, 0, 0}, {1, 2, 1, 0}, {1, 3, 3, 1}};
+  constexpr double kHalf[4] = {1, 0.5, 0.25, 0.125};
+  const Vec2 m = corner - 0.5;
+  const double x[4] = {1, m.x, m.x * m.x, m.x * m.x * m.x}, y[4] = {1, m.y, m.y * m.y, m.y * m.y * m.y};
+  for (const Vec3& n : line.n) {
+    double quarter[4][4] = {};
+    for (int i = 0; i <= Model::kOrder; ++i)
+      for (int j = 0; i + j <= Model::kOrder; ++j) {
+        double c = glm::dot(n, box.c[static_cast<std::size_t>(Model::index(i, j))]);
+        if (i + j == 0) c -= glm::dot(n, line.o);
+        // c (x + a / 2)^i (y + b / 2)^j
+        for (int p = 0; p <= i; ++p)
+          for (int q = 0; q <= j; ++q) quarter[p][q] += c * kChoose[i][p] * x[i - p] * kHalf[p] * kChoose[j][q] * y[j - q] * kHalf[q];
+      }
+    double reach = glm::dot(absolute(n), box.radius);
+    for (int p = 0; p < 4; ++p)
+      for (int q = p == 0 ? 1 : 0; q < 4; ++q) reach += std::abs(quarter[p][q]);
+    if (std::abs(quarter[0][0]) > reach) return false;
   }
   return true;
 }
@@ -181,8 +205,8 @@ void PatchIntersector::search_deep(const Chart& chart, Bounds box, const Line& l
   if (!may_meet(box, line) || settle(chart, box, line, found)) return;
   if (box.width <= kSmallest) return leave_doubtful(chart, box, line, found);
   const double half = 0.5 * box.width;
-  for (const Vec2& corner : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)})
-    search_deep(chart, {.lo = box.lo + half * corner, .width = half}, line, found);
+  for (const Vec2& corner : kCorners)
+    if (may_meet_quarter(box, corner, line)) search_deep(chart, {.lo = box.lo + half * corner, .width = half}, line, found);
 }
 
 void PatchIntersector::search(Chart& chart, int index, const Line& line, Found& found) const {
@@ -191,17 +215,18 @@ void PatchIntersector::search(Chart& chart, int index, const Line& line, Found& 
   const Bounds box = chart.tree[at];
   if (!may_meet(box, line) || settle(chart, box, line, found)) return;
   const double half = 0.5 * box.width;
-  const Vec2 corners[4] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
   if (half < kKept) {
-    for (const Vec2& corner : corners) search_deep(chart, {.lo = box.lo + half * corner, .width = half}, line, found);
+    for (const Vec2& corner : kCorners)
+      if (may_meet_quarter(box, corner, line)) search_deep(chart, {.lo = box.lo + half * corner, .width = half}, line, found);
     return;
   }
   if (box.children < 0) {
     chart.tree[at].children = static_cast<int>(chart.tree.size());
-    for (const Vec2& corner : corners) chart.tree.push_back({.lo = box.lo + half * corner, .width = half});
+    for (const Vec2& corner : kCorners) chart.tree.push_back({.lo = box.lo + half * corner, .width = half});
   }
   const int first = chart.tree[at].children;
-  for (int k = 0; k < 4; ++k) search(chart, first + k, line, found);
+  for (int k = 0; k < 4; ++k)
+    if (may_meet_quarter(box, kCorners[k], line)) search(chart, first + k, line, found);
 }
 
 std::vector<PatchMeeting> PatchIntersector::all(const Vec3& o, const Vec3& d) {

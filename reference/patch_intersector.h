@@ -38,7 +38,7 @@ class PatchIntersector {
   std::size_t boxes() const;             // that are kept
 
  private:
-  static constexpr int kTerms = 6;  // of Model
+  static constexpr int kTerms = 10;  // of Model
 
   // Bounds over a square of (s, t) with the lower corner `lo`.
   struct Bounds {
@@ -62,6 +62,7 @@ class PatchIntersector {
 
   void bound(const NSidedPatch& patch, Bounds& box) const;
   bool may_meet(const Bounds& box, const Line& line) const;
+  bool may_meet_quarter(const Bounds& box, const Vec2& corner, const Line& line) const;
   bool settle(const Chart& chart, const Bounds& box, const Line& line, Found& found) const;
   void search(Chart& chart, int index, const Line& line, Found& found) const;
   void search_deep(const Chart& chart, Bounds box, const Line& line, Found& found) const;
