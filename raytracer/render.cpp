@@ -74,9 +74,7 @@ class TileRenderer {
     for (std::size_t k = 0; k < colours.size(); ++k) sums[owners[k]] += glm::dvec4(colours[k]);
   }
 
-  Vec2 offset(const SampleId& id) const {
-    return settings_.placement == Placement::centred ? Vec2(0.0) : filter_.offset(sampler_.pair(id, Dimension::filter));
-  }
+  Vec2 offset(const SampleId& id) const { return settings_.spread * filter_.offset(sampler_.pair(id, Dimension::filter)); }
 
   // One more ray through each pixel's centre: data must not be blended.
   void write_data(const std::vector<glm::ivec2>& pixels, Film& film, SolverStats& stats) const {

@@ -17,16 +17,13 @@ struct Background {
 // What the camera sees where it hits nothing, at height y in [0, 1] from the top of the picture.
 glm::vec4 background_at(const Background& background, double y);
 
-// Where the samples of a pixel lie: as the pixel filter places them, or all in its middle (for one sample of what is filtered already).
-enum class Placement { filtered, centred };
-
 struct RenderSettings {
   ImageSize size;
   int samples = 16;  // per pixel, 1 ... kMaxSamples
   std::uint64_t seed = 0;
   unsigned aovs = kAovAll;
   Background background;
-  Placement placement = Placement::filtered;
+  double spread = 1;  // of the pixel filter: less where the integrator filters its samples itself; 0 puts them in the pixel's middle
 };
 
 struct RenderResult {

@@ -26,6 +26,9 @@ StripeKind kind_of(Shade shade) {
   return shade == Shade::zebra ? StripeKind::zebra : shade == Shade::isophotes ? StripeKind::isophotes : StripeKind::reflection_lines;
 }
 
+// Of the variance of the picture's filter: what each sample's own window has.
+double window_share(int samples) { return 1 / std::sqrt(double(samples)); }
+
 class StripeIntegrator {
  public:
   StripeIntegrator(const Tracer& tracer, const Stripes& stripes, const StripeView& view)
@@ -33,8 +36,8 @@ class StripeIntegrator {
         stripes_(stripes),
         view_(view),
         look_(look_of(stripes.kind)),
-        // A triangle of half-width h has the variance h^2 / 6; samples share the pixel's area.
-        pixels_(PixelFilter::kDeviation * std::sqrt(6.0 / view.samples)) {}
+        // A triangle of half-width h has the variance h^2 / 6.
+        pixels_(PixelFilter::kDeviation * std::sqrt(6 * window_share(view.samples))) {}
 
   void operator()(const PrimaryHits& batch, std::span<glm::vec4> out, SolverStats&) const {
     for (std::size_t i = 0; i < batch.hits.size(); ++i)
@@ -122,6 +125,8 @@ SeenNormal seen_normal(const Tracer& tracer, const Ray& ray, const Hit& hit, con
   }
   return seen;
 }
+
+double stripe_spread(int samples) { return std::sqrt(1 - window_share(samples)); }
 
 Integrator stripes(const Tracer& tracer, const Stripes& stripes, const StripeView& view) { return StripeIntegrator(tracer, stripes, view); }
 

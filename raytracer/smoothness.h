@@ -1,6 +1,6 @@
 // Shades that show how smooth exact surfaces are: stripes (stripes.h), and mean or Gaussian curvature in false colours.
 //
-// Stripes are filtered per ray, over the pixel's share of that ray: the shape operator of the exact surface and the ray's differential
+// Stripes are filtered per ray, over a part of the pixel: the shape operator of the exact surface and the ray's differential
 // [Igehy 1999] give how far the phase goes within it, so that one sample per pixel has clean lines. Borders of faces and silhouettes are
 // not filtered that way; more samples smooth them too. On a mesh the normals are its own, and so is their turning where it is flat (none);
 // where it is smooth, the exact surface's at (u, v) stands in. At singular points, where no normal turns, only the view's own change is
@@ -43,11 +43,15 @@ Stripes stripes_for(Shade shade, const ShadeOptions& options, const Camera& came
 struct StripeView {
   Camera camera;
   ImageSize size;
-  int samples = 1;  // per pixel: of so many, each one filters its share
+  int samples = 1;  // per pixel
 };
 
-// One sample per pixel lies in the pixel's middle (Placement::centred) and is filtered like the sum of many.
+// The picture's filter is made of two: the samples' own windows, which have 1 / sqrt(samples) of its variance, and where samples lie, which
+// has the rest. So one sample lies in the pixel's middle and stands for all of it, and many come to what points would show.
 Integrator stripes(const Tracer& tracer, const Stripes& stripes, const StripeView& view);
+
+// How far samples are spread, for RenderSettings.
+double stripe_spread(int samples);
 
 // The normal at a hit of `ray`, and how it changes per pixel. No derivatives where they are not finite.
 SeenNormal seen_normal(const Tracer& tracer, const Ray& ray, const Hit& hit, const RayDifferential& differential);

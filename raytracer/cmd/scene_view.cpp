@@ -33,9 +33,8 @@ Lights lights_for(const LightsEntry& entry, const Camera& camera) {
 }
 
 RenderSettings settings_for(const SceneEntry& scene, unsigned aovs) {
-  // One sample of stripes is filtered over the pixel already.
-  const Placement placement = has_stripes(scene.shade) && scene.samples == 1 ? Placement::centred : Placement::filtered;
-  return {scene.size, scene.samples, scene.seed, aovs, scene.background.value_or(Background{}), placement};
+  const double spread = has_stripes(scene.shade) ? stripe_spread(scene.samples) : 1;
+  return {scene.size, scene.samples, scene.seed, aovs, scene.background.value_or(Background{}), spread};
 }
 
 SceneLook look_for(const SceneEntry& scene, const Tracer& tracer, const Camera& camera, const Sampler& sampler, const std::string& unit) {
