@@ -8,6 +8,7 @@
 
 #include "raytracer/json_reader.h"
 #include "raytracer/render.h"
+#include "raytracer/smoothness.h"
 #include "raytracer/tolerance.h"
 #include "raytracer/trace_scene.h"
 
@@ -53,6 +54,7 @@ struct SceneEntry {
   int samples = 16;
   std::uint64_t seed = 0;
   Shade shade = Shade::clay;
+  ShadeOptions shade_options;       // all of them mean something to the shade
   std::optional<MeshRequest> mesh;  // none: exact surfaces
   std::string hash_text;            // what the scene hash covers beside the model files
 };

@@ -20,6 +20,9 @@ struct RenderOptions {
   std::string aovs = "all", progress = "auto";
   std::optional<std::string> mode, tolerance;
   bool flat = false, terminator_fix = false;
+  std::optional<std::string> direction, range, line_width;
+  std::optional<int> lines;
+  bool no_legend = false;
   int threads = 0;  // 0: all
   bool quiet = false, stats = false;
 };
@@ -27,7 +30,7 @@ struct RenderOptions {
 std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command);
 
 // The scene to render: read from a scene file, or made around a bare model; options applied. Without triangles, --tolerance, --flat and
-// --terminator-fix are refused.
+// --terminator-fix are refused, and so are the options of other shades. The options that a scene has for its shade go with that shade.
 Result<SceneEntry> scene_for(const RenderOptions& options);
 
 // The set of layers in "all", "none" or a list like "N,P,Z,uv,id".
