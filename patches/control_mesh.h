@@ -1,0 +1,44 @@
+// Control meshes: polygons of any number of sides whose vertices, with their normals, are interpolated by patches, one a polygon.
+//
+// Every vertex has one normal, so that all patches around it touch there: the mesh's own where all polygons state the same one (up to
+// kSameNormal), else the mean of the polygons' normals [Newell: sums of the edges' cross products], weighted by their angles there [Thuermer,
+// Wuethrich 1998]. Where that vanishes, each polygon has its own.
+//
+// Left out and reported: polygons of fewer than 3 or more than kMostSides sides, with a vertex twice, or without area. Edges of one polygon
+// only stay free, edges of more than two are one edge with as many uses.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "patches/n_sided_part.h"
+
+namespace iso {
+
+inline constexpr double kSameNormal = 1e-4;  // between unit vectors: what five digits keep
+
+struct ControlPolygon {
+  std::vector<int> corners;   // indices of points, counter-clockwise seen from outside
+  std::vector<Vec3> normals;  // of the corners, of any length; empty: none
+  std::string place;          // in its file: "line 17"
+  std::string name;           // of the group it belongs to, may be empty
+};
+struct ControlMesh {
+  std::vector<Vec3> points;  // finite
+  std::vector<ControlPolygon> polygons;
+};
+
+// Which kind the patches are of.
+//   gregory             Gregory triangles, Gregory quads, and generalised Gregory patches from five sides on
+//   generalised_bezier  cubic, except that sides of triangles ...
+//   charrot_gregory     any number of sides
+enum class MeshPatches : std::uint8_t { gregory, generalised_bezier, charrot_gregory };
+inline constexpr std::array kMeshPatchNames{"gregory", "generalised-bezier", "charrot-gregory"};
+
+struct MeshOfPatches {
+  std::vector<PatchEntry> patches;  // in the order of the polygons; corners are the indices of points
+  std::vector<Problem> problems;
+};
+MeshOfPatches patches_of_mesh(const ControlMesh& mesh, MeshPatches kind);
+
+}  // namespace iso
