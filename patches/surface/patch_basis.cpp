@@ -1,5 +1,6 @@
 #include "patches/surface/patch_basis.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "patches/base/check.h"
@@ -23,31 +24,74 @@ struct KindEntry {
 std::string sides_must_be(const PatchBasis& basis, int sides) {
   return basis.sides == sides ? std::string{} : std::to_string(basis.sides) + " sides, expected " + std::to_string(sides);
 }
-
-// ---- Gregory quadrilaterals ----------------------------------------------------------------------------------------------
-
-std::string quad_problem(const PatchBasis& basis) {
-  if (basis.degree != 3) return "degree " + std::to_string(basis.degree) + ", expected 3";
-  return sides_must_be(basis, 4);
+std::string degree_must_be(const PatchBasis& basis, int lowest, int highest) {
+  if (lowest <= basis.degree && basis.degree <= highest) return {};
+  const std::string range = lowest == highest ? std::to_string(lowest) : std::to_string(lowest) + " to " + std::to_string(highest);
+  return "degree " + std::to_string(basis.degree) + ", expected " + range;
 }
-int quad_count(const PatchBasis&) { return 20; }
-// Five points a corner, the corners in a ring.
-std::vector<int> quad_turned(const PatchBasis&) {
+// For polynomials there is nothing to choose; ribbons have a parameter along the side, which lengths do not give.
+std::string no_choice(const PatchBasis& basis) {
+  return basis.parameters == SideParameters::wachspress ? std::string{} : "a choice of side parameters, expected none";
+}
+std::string coordinates_only(const PatchBasis& basis) {
+  return basis.parameters != SideParameters::distance ? std::string{} : "side parameters by distance, expected barycentric coordinates";
+}
+std::string first_of(std::string a, std::string b) { return a.empty() ? std::move(b) : std::move(a); }
+
+// ---- Five points a corner: Gregory, generalised Gregory, Charrot-Gregory ---------------------------------------------------
+
+std::string gregory_triangle_problem(const PatchBasis& basis) {
+  return first_of(sides_must_be(basis, 3), first_of(degree_must_be(basis, 3, 3), no_choice(basis)));
+}
+std::string quad_problem(const PatchBasis& basis) {
+  return first_of(sides_must_be(basis, 4), first_of(degree_must_be(basis, 3, 3), no_choice(basis)));
+}
+std::string generalised_gregory_problem(const PatchBasis& basis) { return first_of(degree_must_be(basis, 3, 3), coordinates_only(basis)); }
+std::string charrot_gregory_problem(const PatchBasis& basis) { return degree_must_be(basis, 3, 3); }
+
+int five_a_corner(const PatchBasis& basis) { return 5 * basis.sides; }
+int five_and_centre(const PatchBasis& basis) { return 5 * basis.sides + 1; }
+std::vector<int> fives_turned(const PatchBasis& basis) {
   std::vector<int> to;
-  for (int m = 0; m < 20; ++m) to.push_back((m + 5) % 20);
+  const int count = 5 * basis.sides;
+  for (int m = 0; m < count; ++m) to.push_back((m + 5) % count);
+  if (basis.kind == PatchKind::generalised_gregory) to.push_back(count);
   return to;
 }
-std::vector<int> quad_side(const PatchBasis&, int side) {
-  const int from = 5 * ((side + 3) % 4), to = 5 * side;
+std::vector<int> fives_side(const PatchBasis& basis, int side) {
+  const int from = 5 * ((side + basis.sides - 1) % basis.sides), to = 5 * (side % basis.sides);
   return {from, from + 1, to + 2, to};
+}
+
+// ---- Generalised Bezier --------------------------------------------------------------------------------------------------
+
+std::string generalised_bezier_problem(const PatchBasis& basis) {
+  return first_of(degree_must_be(basis, 3, kMostRibbonDegree), coordinates_only(basis));
+}
+int generalised_bezier_count(const PatchBasis& basis) {
+  const int rows = ribbon_rows(basis.degree);
+  return 1 + basis.sides * rows * (basis.degree + 1 - rows);
+}
+std::vector<int> generalised_bezier_turned(const PatchBasis& basis) {
+  std::vector<int> to{0};
+  const int n = basis.sides, d = basis.degree;
+  for (int r = 0; r < ribbon_rows(d); ++r)
+    for (int side = 1; side <= n; ++side)
+      for (int j = r; j < d - r; ++j) to.push_back(ribbon_index(n, d, side + 1, j, r));
+  return to;
+}
+std::vector<int> generalised_bezier_side(const PatchBasis& basis, int side) {
+  std::vector<int> points;
+  const int n = basis.sides, d = basis.degree;
+  for (int j = 0; j < d; ++j) points.push_back(ribbon_index(n, d, side, j, 0));
+  points.push_back(ribbon_index(n, d, side + 1, 0, 0));
+  return points;
 }
 
 // ---- Bezier triangles ----------------------------------------------------------------------------------------------------
 
 std::string triangle_problem(const PatchBasis& basis) {
-  if (basis.degree < 1 || basis.degree > kMostTriangleDegree)
-    return "degree " + std::to_string(basis.degree) + ", expected 1 to " + std::to_string(kMostTriangleDegree);
-  return sides_must_be(basis, 3);
+  return first_of(sides_must_be(basis, 3), first_of(degree_must_be(basis, 1, kMostTriangleDegree), no_choice(basis)));
 }
 int triangle_count(const PatchBasis& basis) { return (basis.degree + 1) * (basis.degree + 2) / 2; }
 // Coordinates (a, b, c) of the turned patch belong to corners 1, 2 and 0.
@@ -69,13 +113,19 @@ std::vector<int> triangle_side(const PatchBasis& basis, int side) {
 // In the order of PatchKind.
 constexpr KindEntry kKinds[kPatchKinds] = {
     {"Bezier triangle", triangle_problem, triangle_count, triangle_turned, triangle_side},
-    {"Gregory triangle", nullptr, nullptr, nullptr, nullptr},
-    {"Gregory quad", quad_problem, quad_count, quad_turned, quad_side},
-    {"generalised Bezier", nullptr, nullptr, nullptr, nullptr},
-    {"generalised Gregory", nullptr, nullptr, nullptr, nullptr},
-    {"Charrot-Gregory", nullptr, nullptr, nullptr, nullptr},
+    {"Gregory triangle", gregory_triangle_problem, five_a_corner, fives_turned, fives_side},
+    {"Gregory quad", quad_problem, five_a_corner, fives_turned, fives_side},
+    {"generalised Bezier", generalised_bezier_problem, generalised_bezier_count, generalised_bezier_turned, generalised_bezier_side},
+    {"generalised Gregory", generalised_gregory_problem, five_and_centre, fives_turned, fives_side},
+    {"Charrot-Gregory", charrot_gregory_problem, five_a_corner, fives_turned, fives_side},
 };
 const KindEntry& entry(const PatchBasis& basis) { return kKinds[static_cast<std::size_t>(basis.kind)]; }
+
+// At the corner of the chart: all of its control point, the last of side 0.
+void corner_weights(const PatchBasis& basis, std::span<double> W) {
+  std::fill(W.begin(), W.end(), 0.0);
+  W[points_of_side(basis, 0).back()] = 1;
+}
 
 }  // namespace
 
@@ -90,20 +140,29 @@ int point_count(const PatchBasis& basis) { return entry(basis).count(basis); }
 std::vector<int> points_from_next_corner(const PatchBasis& basis) { return entry(basis).from_next_corner(basis); }
 std::vector<int> points_of_side(const PatchBasis& basis, int side) { return entry(basis).of_side(basis, side); }
 
-void weights_at(const PatchBasis& basis, const Vec2& st, std::span<double> W) { patch_weights<double>(basis, st.x, st.y, W.data()); }
+void weights_at(const PatchBasis& basis, const Vec2& st, std::span<double> W) {
+  if (st == Vec2(0.0) && basis.parameters == SideParameters::mean_value) return corner_weights(basis, W);
+  patch_weights<double>(basis, st.x, st.y, W.data());
+}
 
 void weights_at(const PatchBasis& basis, const Vec2& st, std::span<Dual2> W) {
-  patch_weights<Dual2>(basis, Dual2::variable_u(st.x), Dual2::variable_v(st.y), W.data());
-  if (st != Vec2(0.0)) return;
-  // The limit along s = t of what has none at the corner: from a point so near that its derivatives differ by next to nothing.
-  constexpr double kBeside = 1e-6;
-  std::vector<Dual2> beside(W.size());
-  patch_weights<Dual2>(basis, Dual2::variable_u(kBeside), Dual2::variable_v(kBeside), beside.data());
-  for (std::size_t m = 0; m < W.size(); ++m) {
-    W[m].uu = beside[m].uu;
-    W[m].uv = beside[m].uv;
-    W[m].vv = beside[m].vv;
+  if (st != Vec2(0.0)) return patch_weights<Dual2>(basis, Dual2::variable_u(st.x), Dual2::variable_v(st.y), W.data());
+  // What has no limit at the corner: along s = t, extrapolated from two places so near that what is left out is next to nothing, and far
+  // enough for the differences that blends are made of.
+  constexpr double kBeside = 1e-4;
+  std::vector<Dual2> near(W.size()), far(W.size());
+  patch_weights<Dual2>(basis, Dual2::variable_u(kBeside), Dual2::variable_v(kBeside), near.data());
+  patch_weights<Dual2>(basis, Dual2::variable_u(2 * kBeside), Dual2::variable_v(2 * kBeside), far.data());
+  const auto limit = [&](std::size_t m, double Dual2::*part) { return 2 * near[m].*part - far[m].*part; };
+  if (basis.parameters == SideParameters::mean_value) {
+    std::vector<double> values(W.size());
+    corner_weights(basis, values);
+    for (std::size_t m = 0; m < W.size(); ++m) W[m] = Dual2(values[m], limit(m, &Dual2::u), limit(m, &Dual2::v), 0, 0, 0);
+    return;
   }
+  patch_weights<Dual2>(basis, Dual2::variable_u(0), Dual2::variable_v(0), W.data());
+  for (std::size_t m = 0; m < W.size(); ++m)
+    for (double Dual2::*part : {&Dual2::uu, &Dual2::uv, &Dual2::vv}) W[m].*part = limit(m, part);
 }
 
 Vec2 domain_corner(int sides, int k) {
