@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "patches/surface/patch_construct.h"
+
 namespace iso {
 namespace {
 
@@ -57,36 +59,45 @@ double angle_at(const ControlMesh& mesh, const ControlPolygon& polygon, std::siz
 
 // ---- normals of vertices -------------------------------------------------------------------------------------------------
 
+// What the polygons around a vertex say.
 struct VertexNormal {
-  Vec3 stated{0.0}, sum{0.0};
-  bool is_stated = false, agreed = true;
+  Vec3 stated{0.0}, sum{0.0}, first{0.0};
+  bool used = false, agreed = true;
+
+  void include(const Vec3& stated_here, const Vec3& own, double angle) {
+    if (!used) {
+      stated = stated_here;
+      first = own;
+    }
+    used = true;
+    agreed = agreed && stated_here != Vec3(0.0) && glm::length(stated_here - stated) <= kSameNormal;
+    sum += angle * own;
+  }
+  bool vanishes() const { return glm::length(sum) <= 1e-6; }  // a share of an angle: what so nearly cancels is rounding
+  Vec3 normal() const { return agreed ? stated : vanishes() ? first : unit_or_zero(sum); }
 };
 
-struct VertexNormals {
-  std::vector<Vec3> normal;  // unit; zero: each polygon has its own
-  int differing = 0, none = 0;
-};
-
-VertexNormals normals_of(const ControlMesh& mesh, const std::vector<const ControlPolygon*>& used) {
+// One unit normal a vertex; of those that no polygon uses: zero.
+std::vector<Vec3> normals_of(const ControlMesh& mesh, const std::vector<const ControlPolygon*>& used, std::vector<Problem>& problems) {
   std::vector<VertexNormal> found(mesh.points.size());
   for (const ControlPolygon* polygon : used) {
     const Vec3 own = unit_or_zero(newell(mesh, *polygon));
-    for (std::size_t i = 0; i < polygon->corners.size(); ++i) {
-      VertexNormal& v = found[static_cast<std::size_t>(polygon->corners[i])];
-      v.sum += angle_at(mesh, *polygon, i) * own;
-      const Vec3 stated = polygon->normals.empty() ? Vec3(0.0) : unit_or_zero(polygon->normals[i]);
-      if (!v.is_stated) v.stated = stated;
-      v.agreed = v.agreed && stated != Vec3(0.0) && glm::length(stated - v.stated) <= kSameNormal;
-      v.is_stated = true;
-    }
+    for (std::size_t i = 0; i < polygon->corners.size(); ++i)
+      found[static_cast<std::size_t>(polygon->corners[i])].include(polygon->normals.empty() ? Vec3(0.0) : unit_or_zero(polygon->normals[i]),
+                                                                   own, angle_at(mesh, *polygon, i));
   }
-  VertexNormals normals;
+  std::vector<Vec3> normals;
+  int differing = 0, vanishing = 0;
   for (const VertexNormal& v : found) {
-    normals.differing += v.is_stated && !v.agreed && v.stated != Vec3(0.0);
-    const bool mean_vanishes = glm::length(v.sum) <= 1e-6;  // of an angle: directions so nearly cancelled are rounding
-    normals.normal.push_back(v.is_stated && v.agreed ? v.stated : mean_vanishes ? Vec3(0.0) : unit_or_zero(v.sum));
-    normals.none += v.is_stated && normals.normal.back() == Vec3(0.0);
+    normals.push_back(v.used ? v.normal() : Vec3(0.0));
+    differing += v.used && !v.agreed && v.stated != Vec3(0.0);
+    vanishing += v.used && !v.agreed && v.vanishes();
   }
+  if (differing > 0)
+    problems.push_back(
+        {Problem::Kind::note, "vertices", "polygons state different normals: the mean of the polygons' own normals is taken", differing});
+  if (vanishing > 0)
+    problems.push_back({Problem::Kind::note, "vertices", "the polygons' normals cancel: that of the first polygon is taken", vanishing});
   return normals;
 }
 
@@ -118,4 +129,46 @@ void report_edges(const std::vector<const ControlPolygon*>& used, std::vector<Pr
   if (turned > 0) problems.push_back({Problem::Kind::note, "edges", "between polygons of opposite orientation", turned});
 }
 
+PatchBasis basis_for(MeshPatches kind, int sides) {
+  if (kind == MeshPatches::gregory) return gregory_basis(sides);
+  const PatchKind patch = kind == MeshPatches::generalised_bezier ? PatchKind::generalised_bezier : PatchKind::charrot_gregory;
+  return {.kind = patch, .sides = sides, .degree = 3};
+}
+
 }  // namespace
+
+MeshOfPatches patches_of_mesh(const ControlMesh& mesh, MeshPatches kind) {
+  MeshOfPatches made;
+  std::vector<const ControlPolygon*> used;
+  for (const ControlPolygon& polygon : mesh.polygons) {
+    const std::string reason = unusable(mesh, polygon);
+    if (reason.empty())
+      used.push_back(&polygon);
+    else
+      report(made.problems, Problem::Kind::dropped, polygon.place, reason);
+  }
+  const std::vector<Vec3> normals = normals_of(mesh, used, made.problems);
+  report_edges(used, made.problems);
+  for (const ControlPolygon* polygon : used) {
+    std::vector<PatchCorner> corners;
+    PatchEntry entry;
+    for (const int c : polygon->corners) {
+      corners.push_back({mesh.points[static_cast<std::size_t>(c)], normals[static_cast<std::size_t>(c)]});
+      entry.corners.push_back(c);
+    }
+    auto patch = patch_over(basis_for(kind, static_cast<int>(corners.size())), corners);
+    if (!patch) {
+      report(made.problems, Problem::Kind::dropped, polygon->place, "polygons that no patch can be made of: " + patch.error().message);
+      continue;
+    }
+    entry.patch = std::move(*patch);
+    entry.name = (polygon->name.empty() ? "" : polygon->name + "/") + "patch " + std::to_string(polygon - mesh.polygons.data() + 1);
+    made.patches.push_back(std::move(entry));
+  }
+  if (kind == MeshPatches::generalised_bezier && !made.patches.empty())
+    made.problems.push_back({Problem::Kind::note, "patches",
+                             "generalised Bezier patches of control meshes: tangent planes meet at vertices, along edges only about", 1});
+  return made;
+}
+
+}  // namespace iso

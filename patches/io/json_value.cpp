@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "patches/io/text_input.h"
 
@@ -80,6 +81,31 @@ std::string told(const nlohmann::json::exception& e) {
   std::string text;
   for (const char c : what.substr(0, 200)) text += c >= ' ' && c <= '~' ? c : '?';
   return text;
+}
+
+nlohmann::json parse_json_text(const std::string& path, std::string_view text) {
+  const auto place_of = [&](std::size_t byte) {
+    const std::string_view before = text.substr(0, byte > 0 ? byte - 1 : 0);
+    const std::size_t last = before.rfind('\n');
+    return fmt::format("{}:{}", std::count(before.begin(), before.end(), '\n') + 1,
+                       before.size() - (last == before.npos ? 0 : last + 1) + 1);
+  };
+  // The library keeps the last of equal members; a file that says a thing twice is refused instead.
+  std::vector<std::set<std::string>> open;
+  const nlohmann::json::parser_callback_t watch = [&](int, nlohmann::json::parse_event_t event, nlohmann::json& value) {
+    if (event == nlohmann::json::parse_event_t::object_start) open.emplace_back();
+    if (event == nlohmann::json::parse_event_t::object_end) open.pop_back();
+    if (event == nlohmann::json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
+      throw bad_input(path, "JSON", "found the member " + iso::quoted(value.get<std::string>()) + " twice in one object, expected it once");
+    return true;
+  };
+  try {
+    return nlohmann::json::parse(text, watch);
+  } catch (const nlohmann::json::parse_error& e) {
+    throw bad_input(path, place_of(e.byte), told(e) + "; expected JSON");
+  } catch (const nlohmann::json::exception& e) {
+    throw bad_input(path, "JSON", told(e) + "; expected JSON");
+  }
 }
 
 }  // namespace iso

@@ -32,6 +32,7 @@ class JsonValue {
   void check_members(const std::vector<const char*>& known) const;
   bool is_true() const { return json_->is_boolean() && json_->get<bool>(); }
 
+  const std::string& path() const { return path_; }
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
 
  private:
@@ -39,6 +40,9 @@ class JsonValue {
   const nlohmann::json* json_;
   std::string path_;
 };
+
+// The text as JSON. Throws an `Error` with line and column for what is none, and for a member that one object has twice.
+nlohmann::json parse_json_text(const std::string& path, std::string_view text);
 
 // What the library says of text that is no JSON, without its numbers, on one line.
 std::string told(const nlohmann::json::exception& e);

@@ -3,11 +3,13 @@
 //   .ipatch  ours: every kind of patch, exactly (patches/io/ipatch.schema.json); not .json, which names a scene
 //   .gbp     one generalised Bezier patch: "sides degree", the central control point, then the rows of control points, outermost first,
 //            side by side [Salvi, https://github.com/salvipeter/transfinite]
-//   .lop     a loop of B-spline curves, one a side: degree; number of knots and the knots; number of points and the points [Salvi, as above]
-//   .mp      ribbons: for each side an outer and an inner B-spline curve, each "degree points", knots, points; perhaps a midpoint at the end
+//   .lop     a loop of B-spline curves, one a side: degree; number of knots and the knots; number of points and the points [Salvi, as
+//   above] .mp      ribbons: for each side an outer and an inner B-spline curve, each "degree points", knots, points; perhaps a midpoint at
+//   the end
 //            [Salvi, https://github.com/salvipeter/midpoint]
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +24,8 @@ struct PatchSet {
   std::vector<PatchEntry> patches;
   std::vector<Problem> problems;
 };
+
+inline constexpr const char* kPatchFileFormat = "isophote-patches";  // what an .ipatch file calls itself
 
 // The name of a kind in files and on the command line: "generalised-bezier".
 std::string word_of(PatchKind kind);

@@ -41,7 +41,8 @@ int degree_in(WordStream& words, const std::string& where) {
 NurbsCurve<Vec3> loop_curve(WordStream& words, const std::string& where) {
   NurbsCurve<Vec3> curve;
   curve.degree = degree_in(words, where);
-  const long knots = words.integer(2 * curve.degree + 2, kMostPoints, where, "the number of knots, at least " + std::to_string(2 * curve.degree + 2));
+  const long knots =
+      words.integer(2 * curve.degree + 2, kMostPoints, where, "the number of knots, at least " + std::to_string(2 * curve.degree + 2));
   curve.knots = knots_in(words, knots, where);
   const long wanted = knots - curve.degree - 1;
   const long points = words.integer(wanted, wanted, where, "the number of points, " + std::to_string(wanted) + " for these knots");
@@ -53,7 +54,8 @@ NurbsCurve<Vec3> loop_curve(WordStream& words, const std::string& where) {
 NurbsCurve<Vec3> ribbon_curve(WordStream& words, const std::string& where) {
   NurbsCurve<Vec3> curve;
   curve.degree = degree_in(words, where);
-  const long points = words.integer(curve.degree + 1, kMostPoints, where, "the number of points, at least " + std::to_string(curve.degree + 1));
+  const long points =
+      words.integer(curve.degree + 1, kMostPoints, where, "the number of points, at least " + std::to_string(curve.degree + 1));
   curve.knots = knots_in(words, points + curve.degree + 1, where);
   points_in(words, points, where, curve);
   return curve;

@@ -70,8 +70,8 @@ void check_closed(const std::string& path, const std::vector<RibbonSide>& sides,
     const Vec3 from = ribbons.row0[ribbons.before(k)].back(), to = ribbons.row0[k].front();
     if (!(glm::length(to - from) <= kSameSide * ribbons.size))
       fail(path, sides[k].line,
-           fmt::format("found a curve that begins at ({:g}, {:g}, {:g}), expected the end of the one before, ({:g}, {:g}, {:g})", to.x, to.y,
-                       to.z, from.x, from.y, from.z));
+           fmt::format("found a curve that begins at ({:g}, {:g}, {:g}), expected the end of the one before, ({:g}, {:g}, {:g})", to.x,
+                       to.y, to.z, from.x, from.y, from.z));
     ribbons.row0[ribbons.before(k)].back() = to;
   }
 }
@@ -142,8 +142,8 @@ NSidedPatch generalised_gregory(const Ribbons& ribbons) {
   Vec3 inner(0.0);
   for (std::size_t k = 0; k < ribbons.sides(); ++k) {
     const std::size_t before = ribbons.before(k);
-    patch.points.insert(patch.points.end(), {ribbons.row0[k][0], ribbons.row0[k][1], ribbons.row0[before][2], ribbons.row1[k][1],
-                                             ribbons.row1[before][2]});
+    patch.points.insert(patch.points.end(),
+                        {ribbons.row0[k][0], ribbons.row0[k][1], ribbons.row0[before][2], ribbons.row1[k][1], ribbons.row1[before][2]});
     inner += ribbons.row1[k][1] + ribbons.row1[before][2];
   }
   patch.points.push_back(inner / (2.0 * static_cast<double>(ribbons.sides())));
@@ -184,15 +184,15 @@ void report(PatchSet& set, const std::vector<RibbonSide>& sides, const Ribbons& 
                             1});
   const double near = kSameSide * ribbons.size;
   if (!free && misfit.tangent > near)
-    set.problems.push_back({Kind::approximated, "patch 1",
-                            fmt::format("ribbons do not end in their neighbours' boundaries: control points moved by up to {:.3g}",
-                                        misfit.tangent),
-                            1});
+    set.problems.push_back(
+        {Kind::approximated, "patch 1",
+         fmt::format("ribbons do not end in their neighbours' boundaries: control points moved by up to {:.3g}", misfit.tangent), 1});
   if (!free && misfit.twist > near && set.patches[0].patch.basis.kind == PatchKind::generalised_bezier)
-    set.problems.push_back({Kind::approximated, "patch 1",
-                            fmt::format("ribbons that meet in a corner turn differently: inner control points are means, moved by up to {:.3g}",
-                                        0.5 * misfit.twist),
-                            1});
+    set.problems.push_back(
+        {Kind::approximated, "patch 1",
+         fmt::format("ribbons that meet in a corner turn differently: inner control points are means, moved by up to {:.3g}",
+                     0.5 * misfit.twist),
+         1});
 }
 
 }  // namespace
@@ -213,7 +213,8 @@ PatchSet patch_of_ribbons(const std::string& path, std::vector<RibbonSide> sides
   set.patches.push_back(std::move(entry));
   report(set, sides, ribbons, misfit);
   if (!moved)
-    set.problems.push_back({Problem::Kind::note, "patch 1", "the centre of a patch of this many sides cannot be given: midpoint not used", 1});
+    set.problems.push_back(
+        {Problem::Kind::note, "patch 1", "the centre of a patch of this many sides cannot be given: midpoint not used", 1});
   return set;
 }
 
