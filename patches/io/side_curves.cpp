@@ -111,12 +111,17 @@ std::vector<Vec3> fitted(const std::vector<Piece>& pieces, int degree) {
   return points;
 }
 
+// In parts so short that control points lie close to the curve.
 double distance_bound(const std::vector<Piece>& pieces, const std::vector<Vec3>& points) {
+  constexpr int kParts = 8;
   double largest = 0;
   for (const Piece& piece : pieces) {
-    const std::vector<Vec3> ours = restricted(points, piece.a, piece.b);
-    const std::vector<Vec3> theirs = elevated_to(static_cast<int>(points.size()) - 1, piece.points);
-    for (std::size_t i = 0; i < ours.size(); ++i) largest = std::max(largest, glm::length(ours[i] - theirs[i]));
+    const std::vector<Vec3> wanted = elevated_to(static_cast<int>(points.size()) - 1, piece.points);
+    std::vector<Vec3> difference = restricted(points, piece.a, piece.b);
+    for (std::size_t i = 0; i < difference.size(); ++i) difference[i] -= wanted[i];
+    for (int part = 0; part < kParts; ++part)
+      for (const Vec3& d : restricted(difference, double(part) / kParts, double(part + 1) / kParts))
+        largest = std::max(largest, glm::length(d));
   }
   return largest;
 }
