@@ -274,6 +274,7 @@ Box2 ending_at_knots(const AnySurface& surface, Box2 domain) {
 BendTree::BendTree(const AnySurface& surface, const Box2& whole, double tolerance) : domain_(ending_at_knots(surface, whole)) {
   const Box2& domain = domain_;
   touch_ = 16 * kEps * glm::max(glm::abs(domain.lo), glm::abs(domain.hi));
+  apart_ = 2 * distance_of_pieces(surface);
   BendTreeBuilder builder(*this, tolerance);
   if (has_closed_form_bend(surface))
     closed_form_ = surface;
@@ -281,6 +282,8 @@ BendTree::BendTree(const AnySurface& surface, const Box2& whole, double toleranc
     builder.build(as_nurbs(*extrusion, {domain.lo.y, domain.hi.y}), domain);
   else if (const auto* revolution = std::get_if<Revolution>(&surface))
     builder.build(*revolution, domain);
+  else if (const auto* chart = std::get_if<PatchChart>(&surface))
+    builder.build(*chart->near, domain);
   else
     builder.build(std::get<NurbsSurface>(surface), domain);
   if (!has_closed_form_bend(surface) && nodes_.empty()) nodes_.emplace_back().bend = unbounded_bend();  // a domain without width
@@ -347,6 +350,7 @@ BoxBend BendTree::over(const Box2& uv, const Place& place) const {
   gather(inside ? place.node : 0, inside ? cell : domain_, part, sum);
   sum.kink_u = kinks(0, part);
   sum.kink_v = kinks(1, part);
+  sum.apart = apart_;
   return sum;
 }
 

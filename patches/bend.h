@@ -25,6 +25,8 @@ struct Bend {
 // the triangle it counts only by the sine of the angle between that normal and those at the knots.
 struct BoxBend : Bend {
   double kink_u = 0, kink_v = 0;
+  // All this is of a surface that S is no farther from than half of this (distance_of_pieces): S - L is that much more.
+  double apart = 0;
 };
 
 // A knot where the first derivative across it jumps.
@@ -41,9 +43,10 @@ inline double second_difference(const Bend& bend, const Vec2& d) {
   return times(bend.Muu, d.x * d.x) + times(2 * bend.Muv, std::abs(d.x * d.y)) + times(bend.Mvv, d.y * d.y);
 }
 
-// How far S strays from its linear interpolation over a box of this extent because its first derivative jumps, at most.
+// How far S strays from its linear interpolation over a box of this extent, at most, because its first derivative jumps, and because the
+// bounds are of a surface beside it.
 inline double kink_stray(const BoxBend& bend, const Vec2& extent) {
-  return 0.25 * (times(bend.kink_u, extent.x) + times(bend.kink_v, extent.y));
+  return 0.25 * (times(bend.kink_u, extent.x) + times(bend.kink_v, extent.y)) + bend.apart;
 }
 
 // Divides the domain once, until the bounds of a cell are tight (the spread of each range small against its largest magnitude in it), then
@@ -99,6 +102,7 @@ class BendTree {
 
   AnySurface closed_form_;  // where there are no nodes
   Box2 domain_;
+  double apart_ = 0;
   Vec2 touch_{0.0};  // closer than this to a knot is on it
   std::vector<Node> nodes_;
   std::vector<KnotJump> jumps_[2];  // rising

@@ -189,7 +189,8 @@ constexpr bool kSolved = std::is_same_v<S, Plane> || std::is_same_v<S, Cylinder>
 
 bool has_closed_form_bend(const AnySurface& surface) {
   if (const auto* e = std::get_if<Extrusion>(&surface)) return !std::holds_alternative<NurbsCurve<Vec3>>(e->profile);
-  return !std::holds_alternative<Revolution>(surface) && !std::holds_alternative<NurbsSurface>(surface);
+  return !std::holds_alternative<Revolution>(surface) && !std::holds_alternative<NurbsSurface>(surface) &&
+         !std::holds_alternative<PatchChart>(surface);
 }
 
 std::optional<Bend> closed_form_bend(const AnySurface& surface, const Box2& uv) {

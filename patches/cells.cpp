@@ -172,7 +172,7 @@ Box3 box_of_cells(const Face& face, const TrimRegion& trim) {
   for (const BezierPiece& piece : bezier_pieces(face.surface, face.domain)) divide(piece, 0, trim, coarse, cells);
   Box3 box;
   for (const FaceCell& cell : cells) box.include(cell.box);
-  return box;
+  return box.inflated(distance_of_pieces(face.surface));
 }
 
 }  // namespace

@@ -41,10 +41,31 @@ double edge_tolerance(const TrimCurve& curve, const std::vector<Edge>& edges, do
   return curve.edge < 0 ? least : std::max(least, edges[static_cast<std::size_t>(curve.edge)].closing);
 }
 
+// Whether the loops are the four sides of a domain that the surface itself ends at, in turn: then they take nothing away.
+bool run_along_domain(const Face& face) {
+  const Box2 whole = natural_domain(face.surface);
+  if (face.loops.size() != 1 || face.loops[0].curves.size() != 4 || face.domain.lo != whole.lo || face.domain.hi != whole.hi) return false;
+  const UV corners[] = {whole.lo, {whole.hi.x, whole.lo.y}, whole.hi, {whole.lo.x, whole.hi.y}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const TrimCurve& curve = face.loops[0].curves[k];
+    if (!std::holds_alternative<Line<Vec2>>(curve.curve)) return false;
+    if (jet(curve.curve, curve.t0).C != corners[k] || jet(curve.curve, curve.t1).C != corners[(k + 1) % 4]) return false;
+  }
+  return true;
+}
+
+// Whether an edge lets in more than rounding does.
+bool any_loose(const Face& face, const std::vector<Edge>& edges, double least) {
+  for (const TrimCurve& curve : face.loops[0].curves)
+    if (edge_tolerance(curve, edges, least) > least) return true;
+  return false;
+}
+
 }  // namespace
 
 TrimRegion::TrimRegion(const Face& face, const std::vector<Edge>& edges, double least_tolerance) {
   period_ = periods(face.surface);
+  if (run_along_domain(face) && !any_loose(face, edges, least_tolerance)) return;
   for (const TrimLoop& loop : face.loops) {
     std::vector<UV> ends;          // start and end of every curve in turn
     std::vector<TrimPiece> kinds;  // edge and tolerance of every curve

@@ -15,14 +15,15 @@ constexpr float from_srgb(int level) {
 constexpr Colour rgb(int r, int g, int b) { return {from_srgb(r), from_srgb(g), from_srgb(b)}; }
 
 // One colour per surface kind, in the order of AnySurface.
-constexpr std::array kKindColours{rgb(158, 188, 218),  // plane
-                                  rgb(253, 174, 97),   // cylinder
-                                  rgb(215, 80, 70),    // cone
-                                  rgb(120, 198, 121),  // sphere
-                                  rgb(190, 130, 200),  // torus
-                                  rgb(110, 205, 200),  // extrusion
-                                  rgb(245, 225, 110),  // revolution
-                                  rgb(70, 120, 200)};  // NURBS
+constexpr std::array kKindColours{rgb(158, 188, 218),   // plane
+                                  rgb(253, 174, 97),    // cylinder
+                                  rgb(215, 80, 70),     // cone
+                                  rgb(120, 198, 121),   // sphere
+                                  rgb(190, 130, 200),   // torus
+                                  rgb(110, 205, 200),   // extrusion
+                                  rgb(245, 225, 110),   // revolution
+                                  rgb(70, 120, 200),    // NURBS
+                                  rgb(240, 130, 175)};  // charts of n-sided patches
 static_assert(kKindColours.size() == std::variant_size_v<AnySurface>);
 
 // A stable, bright colour per face: hue by the golden ratio, so that neighbouring numbers differ well, lightness by a hash.

@@ -1,5 +1,7 @@
 #include "raytracer/packet.h"
 
+#include "raytracer/chart_root.h"
+
 #include "raytracer/analytic_kernel.h"
 #include "raytracer/bezier_solve.h"
 #include "raytracer/leaf_kernel.h"
@@ -151,6 +153,7 @@ class Offers final : public RootSink {
       : packet_(packet),
         geometry_(geometry),
         patch_(geometry.patches[geometry.leaves[leaf].patch]),
+        chart_(blended_chart(geometry.part->faces[patch_.face].surface)),
         id_(leaf_id(leaf)),
         crossing_(geometry.leaves[leaf].crossing != 0) {}
 
@@ -180,13 +183,22 @@ class Offers final : public RootSink {
 
  private:
   void propose(int lane, const Vec2& st, double t, HitStatus status, unsigned steps) {
-    if (offer(packet_, lane, geometry_, {patch_.face, patch_.piece.to_native(st), t, status, steps, crossing_, id_}))
-      changed_ |= 1u << lane;
+    Offer root{patch_.face, patch_.piece.to_native(st), t, status, steps, crossing_, id_};
+    if (chart_) {
+      const ChartRoot exact = root_on_chart(*chart_, packet_.local.ray(lane), root.uv);
+      packet_.stats->newton_steps += exact.steps;
+      root.uv = exact.st;
+      root.t = exact.t;
+      root.steps += exact.steps;
+      if (!exact.met) root.status = HitStatus::tangent;
+    }
+    if (offer(packet_, lane, geometry_, root)) changed_ |= 1u << lane;
   }
 
   Packet& packet_;
   const PartGeometry& geometry_;
   const LeafPatch& patch_;
+  const PatchChart* chart_;  // where roots on the pieces are beside those of the surface
   std::int32_t id_;
   bool crossing_;
   LaneMask changed_ = 0;

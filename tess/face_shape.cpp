@@ -80,7 +80,7 @@ double bound_in(const BoxBend& bend, const std::array<UV, 3>& uv, double longest
   wide.uv = widened(bend.uv, bend.Muv);
   wide.vv = widened(bend.vv, bend.Mvv);
   const Range x = form_range(wide, d[0]), y = form_range(wide, d[1]), z = form_range(wide, d[2]);
-  const double along = std::max(largest_of_form(x.hi, y.hi, z.hi), largest_of_form(-x.lo, -y.lo, -z.lo)) + turn * jump;
+  const double along = std::max(largest_of_form(x.hi, y.hi, z.hi), largest_of_form(-x.lo, -y.lo, -z.lo)) + turn * jump + bend.apart;
   return with_shift(along, size, bend.curvature);
 }
 
@@ -113,7 +113,8 @@ FaceShape::Verdict FaceShape::keeps(const SurfaceCorner& a, const SurfaceCorner&
   const double quick = triangle_bound(a, b, c);
   if (quick <= most) return {true, quick};
   if (!std::holds_alternative<NurbsSurface>(face_->surface) && !std::holds_alternative<Extrusion>(face_->surface) &&
-      !std::holds_alternative<Revolution>(face_->surface) && !std::holds_alternative<Torus>(face_->surface))
+      !std::holds_alternative<Revolution>(face_->surface) && !std::holds_alternative<Torus>(face_->surface) &&
+      !std::holds_alternative<PatchChart>(face_->surface))
     return {false, quick};
   const Verdict divided = TriangleDivision(*this, {a, b, c}, most).verdict(quick);
   return divided.within ? divided : within_box({a, b, c}, most, divided);

@@ -199,6 +199,8 @@ std::vector<BezierPiece> pieces_of(const NurbsSurface& s, const Box2& uv) {
   return pieces;
 }
 
+std::vector<BezierPiece> pieces_of(const PatchChart& s, const Box2& uv) { return pieces_of(*s.near, uv); }
+
 }  // namespace
 
 std::vector<BezierPiece> bezier_pieces(const AnySurface& surface, const Box2& uv) {

@@ -140,6 +140,13 @@ int point_count(const PatchBasis& basis) { return entry(basis).count(basis); }
 std::vector<int> points_from_next_corner(const PatchBasis& basis) { return entry(basis).from_next_corner(basis); }
 std::vector<int> points_of_side(const PatchBasis& basis, int side) { return entry(basis).of_side(basis, side); }
 
+std::vector<std::pair<int, int>> pairs_of(const PatchBasis& basis) {
+  std::vector<std::pair<int, int>> pairs;
+  if (basis.kind == PatchKind::bezier_triangle || basis.kind == PatchKind::generalised_bezier) return pairs;
+  for (int k = 0; k < basis.sides; ++k) pairs.push_back({5 * k + 3, 5 * k + 4});
+  return pairs;
+}
+
 void weights_at(const PatchBasis& basis, const Vec2& st, std::span<double> W) {
   if (st == Vec2(0.0) && basis.parameters == SideParameters::mean_value) return corner_weights(basis, W);
   patch_weights<double>(basis, st.x, st.y, W.data());

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "patches/base/jet.h"
@@ -56,6 +57,9 @@ std::vector<int> points_from_next_corner(const PatchBasis& basis);
 
 // The control points of the boundary curve of a side, from v_(side-1) to v_side: degree + 1 indices.
 std::vector<int> points_of_side(const PatchBasis& basis, int side);
+
+// The pairs of inner points at the corners: where patches are built from a mesh they lie close together.
+std::vector<std::pair<int, int>> pairs_of(const PatchBasis& basis);
 
 // The weights at (s, t) in the chart of corner 0; W.size() == point_count. A little beyond the chart they continue, so that Newton may step
 // over a border.

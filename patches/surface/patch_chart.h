@@ -36,4 +36,13 @@ struct PatchChart {
 // The chart of a corner, 0 <= corner < sides.
 PatchChart chart_of(const NSidedPatch& patch, int corner);
 
+// See surface.h. A little beyond [0, 1]^2 the formulas continue.
+Point3 point_of(const PatchChart& chart, const Vec2& st);
+Jet2 jet_of(const PatchChart& chart, const Vec2& st);
+struct Tangents {
+  Vec3 S{0.0}, Ss{0.0}, St{0.0};
+};
+Tangents tangents_of(const PatchChart& chart, const Vec2& st);
+void translate(PatchChart& chart, const Vec3& by);
+
 }  // namespace iso

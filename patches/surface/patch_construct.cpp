@@ -1,10 +1,14 @@
 #include "patches/surface/patch_construct.h"
 
+#include <cmath>
 #include <vector>
 
 namespace iso {
 
 namespace {
+
+// What is left of a chord at right angles to the plane when it is projected, by rounding: a few units in the last place of its length.
+constexpr double kNoTangent = 16 * kEps;
 
 Vec3 in_tangent_plane(const Vec3& v, const Vec3& normal) { return v - glm::dot(v, normal) * normal; }
 
@@ -23,12 +27,15 @@ struct Rows {
 
 Rows rows_of(PatchKind kind, std::span<const PatchCorner> corners, std::span<const CubicPoints> curves) {
   const std::size_t n = corners.size();
-  // The row next to a side of a quartic triangle starts at a quartic point of the side before: three quarters of the cubic leg.
-  const double leg = kind == PatchKind::gregory_triangle ? 0.75 : 1;
   Rows rows{.curves = {curves.begin(), curves.end()}, .fields = {}};
   for (std::size_t k = 0; k < n; ++k) {
     const CubicPoints &own = curves[k], &before = curves[(k + n - 1) % n], &next = curves[(k + 1) % n];
-    const Vec3 a0 = leg * (before[2] - before[3]), a3 = leg * (next[1] - next[0]);
+    Vec3 a0 = before[2] - before[3], a3 = next[1] - next[0];
+    // A quartic triangle's row goes from its points on the sides before and after; what it starts from is the side's point a step back.
+    if (kind == PatchKind::gregory_triangle) {
+      a0 = 0.75 * a0;
+      a3 = 0.75 * (a3 + own[3] - own[2]);
+    }
     rows.fields.push_back(join_field(own, a0, a3, corners[(k + n - 1) % n].normal, corners[k].normal));
   }
   return rows;
@@ -45,10 +52,22 @@ std::array<Vec3, 2> inner_pair(PatchKind kind, const Rows& rows, std::size_t k) 
   return {from_next + rows.fields[next].a1, from_own + rows.fields[k].a2};
 }
 
-Vec3 central_point(const std::vector<Vec3>& inner, std::span<const PatchCorner>) {
-  Vec3 sum(0.0);
-  for (const Vec3& p : inner) sum += p;
-  return sum / static_cast<double>(inner.size());
+// How far beyond the corners' mean the central point lies, in distances from it to the mean of the inner points: so that over a regular
+// polygon with the normals of a sphere the centre of the patch is on the sphere, up to fourth order in the polygon's size. Heights below
+// are over the plane through the corners of the unit circle, on z = (1 - x^2 - y^2) / 2; weights are those at the centre of a cubic patch.
+double central_reach(int sides) {
+  if (sides == 4) return 2;  // the central point has no weight
+  const double n = sides, c = std::cos(kTwoPi / n), h_rest = 2 / n, near = h_rest * h_rest;
+  const double on_side = (1 - c) / 3, inside = (1 - c) * (6 + 4 * c) / 9;
+  const double corner = near * h_rest / 8, boundary = near * (3 * h_rest + 3 * (1 - h_rest)) / 8, inner = near * (1 - h_rest) * 9 / 8;
+  const double central = 1 - n * (corner + boundary + inner);
+  return (0.5 - n * (boundary * on_side + inner * inside)) / (central * inside);
+}
+Vec3 central_point(const std::vector<Vec3>& inner, std::span<const PatchCorner> corners) {
+  Vec3 mean(0.0), inside(0.0);
+  for (const PatchCorner& c : corners) mean += c.point / static_cast<double>(corners.size());
+  for (const Vec3& p : inner) inside += p / static_cast<double>(inner.size());
+  return mean + central_reach(static_cast<int>(corners.size())) * (inside - mean);
 }
 
 std::string fault_of(const PatchBasis& basis, std::span<const PatchCorner> corners) {
@@ -64,7 +83,15 @@ std::string fault_of(const PatchBasis& basis, std::span<const PatchCorner> corne
 
 CubicPoints boundary_cubic(const Vec3& p0, const Vec3& n0, const Vec3& p1, const Vec3& n1) {
   const Vec3 chord = p1 - p0;
-  return {p0, p0 + in_tangent_plane(chord, n0) / 3.0, p1 - in_tangent_plane(chord, n1) / 3.0, p1};
+  const double length = glm::length(chord);
+  const auto leg = [&](const Vec3& normal) {
+    const Vec3 projected = in_tangent_plane(chord, normal);
+    if (!(glm::length(projected) > kNoTangent * length)) return Vec3(0.0);
+    const Vec3 tangent = in_tangent_plane(projected, normal);  // again: at right angles when short, too
+    const double part = glm::length(tangent);                  // length times the cosine of the angle between them
+    return tangent * (2 * length * length / (3 * part * (length + part)));
+  };
+  return {p0, p0 + leg(n0), p1 - leg(n1), p1};
 }
 
 CrossField join_field(const CubicPoints& boundary, const Vec3& a0, const Vec3& a3, const Vec3& n0, const Vec3& n1) {

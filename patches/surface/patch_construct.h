@@ -15,9 +15,10 @@ namespace iso {
 
 using CubicPoints = std::array<Vec3, 4>;  // Bezier points of a cubic curve
 
-// A cubic from p0 to p1, at right angles to the unit normals n0 and n1 there: thirds of the chord, projected into the tangent planes
-// [Vlachos et al. 2001, eq. 1]. Swapping the ends gives the same points in reverse, bit for bit. Where the chord is at right angles to a
-// tangent plane, the end has no tangent: two of the points coincide.
+// A cubic from p0 to p1, at right angles to the unit normals n0 and n1 there: the chord projected into the tangent planes [Vlachos et al.
+// 2001, eq. 1], and legs as long as an arc of a circle has that leaves its chord L at the same angle, 2 L / (3 + 3 cos) [Goldapp 1991].
+// Swapping the ends gives the same points in reverse, bit for bit. Where the chord is at right angles to a tangent plane, the end has no
+// tangent: two of the points coincide.
 CubicPoints boundary_cubic(const Vec3& p0, const Vec3& n0, const Vec3& p1, const Vec3& n1);
 
 // The cubic field a(u) = sum_j B_j(u) a_j across a boundary, into the patch, of which both ends are given: its two middle vectors.

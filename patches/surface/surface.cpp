@@ -15,6 +15,7 @@ bool NurbsSurface::rational() const {
 
 const char* kind_name(const AnySurface& surface) {
   static constexpr const char* kNames[] = {"plane", "cylinder", "cone", "sphere", "torus", "extrusion", "revolution", "nurbs"};
+  if (const auto* chart = std::get_if<PatchChart>(&surface)) return name_of(chart->basis.kind);
   return kNames[surface.index()];
 }
 
@@ -177,7 +178,7 @@ Jet2 jet2(const AnySurface& surface, UV uv) {
 Point3 point(const AnySurface& surface, UV uv) {
   return std::visit(
       [&](const auto& s) {
-        if constexpr (Framed<std::decay_t<decltype(s)>>)
+        if constexpr (requires { point_of(s, uv); })
           return point_of(s, uv);
         else
           return jet_of(s, uv).S;
@@ -227,6 +228,11 @@ bool has_closed_form_bounds(const AnySurface& surface) {
   return std::visit([](const auto& s) { return Framed<std::decay_t<decltype(s)>>; }, surface);
 }
 
+double distance_of_pieces(const AnySurface& surface) {
+  const auto* chart = std::get_if<PatchChart>(&surface);
+  return chart ? chart->error : 0.0;
+}
+
 Box3 bounds(const AnySurface& surface, const Box2& uv) {
   return std::visit(
       [&](const auto& s) -> Box3 {
@@ -236,7 +242,7 @@ Box3 bounds(const AnySurface& surface, const Box2& uv) {
           Box3 box;
           for (const BezierPiece& piece : bezier_pieces(surface, uv)) box.include(hull_box(piece.patch));
           // Against the rounding of evaluation, which counts in the size of the coordinates.
-          return box.inflated(1e-14 * glm::length(glm::max(glm::abs(box.lo), glm::abs(box.hi))));
+          return box.inflated(distance_of_pieces(surface) + 1e-14 * glm::length(glm::max(glm::abs(box.lo), glm::abs(box.hi))));
         }
       },
       surface);
@@ -256,6 +262,7 @@ Box2 natural_domain(const AnySurface& surface) {
     Box2 operator()(const NurbsSurface& s) const {
       return {{s.knots_u[s.degree_u], s.knots_v[s.degree_v]}, {s.knots_u[s.count_u], s.knots_v[s.count_v]}};
     }
+    Box2 operator()(const PatchChart&) const { return {{0, 0}, {1, 1}}; }
   };
   return std::visit(Visitor{}, surface);
 }
@@ -288,6 +295,7 @@ Vec2 periods(const AnySurface& surface) {
       return {s.closed_u ? s.knots_u[s.count_u] - s.knots_u[s.degree_u] : 0.0,
               s.closed_v ? s.knots_v[s.count_v] - s.knots_v[s.degree_v] : 0.0};
     }
+    Vec2 operator()(const PatchChart&) const { return {0, 0}; }
   };
   return std::visit(Visitor{}, surface);
 }
@@ -316,6 +324,8 @@ void translate(AnySurface& surface, const Vec3& by) {
         } else if constexpr (std::is_same_v<S, Revolution>) {
           s.O += by;
           move_curve(s.profile);
+        } else if constexpr (std::is_same_v<S, PatchChart>) {
+          translate(s, by);
         } else {
           for (Vec4& h : s.poles) h = homogeneous(project(h) + by, h.w);
         }
@@ -365,6 +375,7 @@ struct ProblemOf {
     if (std::string p = nurbs_problem(s.knots_v, s.degree_v, static_cast<std::size_t>(s.count_v)); !p.empty()) return "v: " + p;
     return poles_problem4(s.poles);
   }
+  std::string operator()(const PatchChart& s) const { return problem_of(NSidedPatch{s.basis, s.points, s.weights}); }
   static std::string radius(const Frame& f, bool valid, double r) {
     if (!valid || !finite(r) || r > 1e15) return "a radius of " + std::to_string(r);
     return frame_problem(f);

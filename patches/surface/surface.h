@@ -8,7 +8,9 @@
 //   extrusion   S = C(u) + v D                                               (D need not be a unit vector)
 //   revolution  S = C(v) turned by the angle u about the axis (O, Z)
 //   NURBS       rational tensor-product B-spline
-// The first seven are exact; so are their rational Bezier pieces, which carry a closed-form map back to the native (u, v).
+//   chart       of a patch with any number of sides (patch_chart.h)
+// The first eight are exact; so are their rational Bezier pieces, which carry a closed-form map back to the native (u, v). Pieces of charts
+// are those of the spline beside them (distance_of_pieces).
 #pragma once
 
 #include <memory>
@@ -18,6 +20,7 @@
 #include "patches/base/affine.h"
 #include "patches/base/jet.h"
 #include "patches/curve/curve.h"
+#include "patches/surface/patch_chart.h"
 
 namespace iso {
 
@@ -65,7 +68,7 @@ struct NurbsSurface {
   bool rational() const;
 };
 
-using AnySurface = std::variant<Plane, Cylinder, Cone, Sphere, Torus, Extrusion, Revolution, NurbsSurface>;
+using AnySurface = std::variant<Plane, Cylinder, Cone, Sphere, Torus, Extrusion, Revolution, NurbsSurface, PatchChart>;
 
 // "plane", "cylinder", ...
 const char* kind_name(const AnySurface& surface);
@@ -102,6 +105,9 @@ Curvatures principal_curvatures(const Jet2& jet, const Vec3& normal);
 
 // Whether `bounds` is one interval evaluation (plane, cylinder, cone, sphere, torus) rather than the hull of all Bezier pieces.
 bool has_closed_form_bounds(const AnySurface& surface);
+
+// No point of the surface is farther than this from its Bezier pieces at the same (u, v); 0 for all but charts of blended patches.
+double distance_of_pieces(const AnySurface& surface);
 
 // A guaranteed box of S over `uv` (finite).
 Box3 bounds(const AnySurface& surface, const Box2& uv);

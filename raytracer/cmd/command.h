@@ -19,6 +19,7 @@ void add_display_command(CLI::App& app, Exit& exit);
 void add_tessellate_command(CLI::App& app, Exit& exit);
 // `words`: the command line after the command, for the report.
 void add_compare_command(CLI::App& app, Exit& exit, const std::vector<std::string>& words);
+void add_continuity_command(CLI::App& app, Exit& exit);
 void add_diff_command(CLI::App& app, Exit& exit);
 
 // Says the error on stderr, one line, and gives its exit code.

