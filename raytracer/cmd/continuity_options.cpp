@@ -189,6 +189,7 @@ RenderOptions render_options_of(const ContinuityRequest& request) {
   options.samples = request.samples;
   options.fov = request.fov;
   options.orthographic = request.orthographic;
+  options.patches = request.patches;
   return options;
 }
 
