@@ -6,7 +6,7 @@ namespace {
 
 constexpr int kMostSteps = 12;
 // Steps smaller than this (of the chart's square) are taken, and the last.
-constexpr double kLastStep = 1e-9;
+constexpr double kLastStep = 1e-7;
 // So far beyond its borders a chart may be followed.
 constexpr double kBeyond = 0.02;
 

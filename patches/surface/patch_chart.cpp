@@ -176,8 +176,20 @@ Jet2 jet_of(const PatchChart& chart, const Vec2& st) {
 }
 
 Tangents tangents_of(const PatchChart& chart, const Vec2& st) {
-  const Jet2 jet = jet_of(chart, st);
-  return {jet.S, jet.Su, jet.Sv};
+  if (chart.error == 0 || (st == Vec2(0.0) && chart.basis.parameters == SideParameters::mean_value)) {
+    const Jet2 jet = jet_of(chart, st);
+    return {jet.S, jet.Su, jet.Sv};
+  }
+  thread_local std::vector<Dual1<double>> W;
+  W.resize(chart.points.size());
+  patch_weights<Dual1<double>>(chart.basis, {st.x, 1.0, 0.0}, {st.y, 0.0, 1.0}, W.data());
+  Tangents at;
+  for (std::size_t m = 0; m < W.size(); ++m) {
+    at.S += W[m].f * chart.points[m];
+    at.Ss += W[m].u * chart.points[m];
+    at.St += W[m].v * chart.points[m];
+  }
+  return at;
 }
 
 void translate(PatchChart& chart, const Vec3& by) {

@@ -114,6 +114,23 @@ TEST(PatchTruth, GregoryTriangleWithEqualPairsIsItsQuarticBezierTriangle) {
   EXPECT_LT(worst, 1e-14);
 }
 
+// [Hettinga 2021, 2.3.4]: b_211 = ((1 - w) v b_uv + (1 - v) w b_uw) / ((1 - w) v + (1 - v) w), and so on round.
+TEST(PatchTruth, PairsOfGregoryTrianglesAreBlendedAsPrinted) {
+  Numbers random(17);
+  for (int i = 0; i < 100; ++i) {
+    const Vec2 st = random.in_chart(), x = domain_point(3, st);
+    const double second = (1 - x.x) / 3 + x.y / std::sqrt(3.0), third = (1 - x.x) / 3 - x.y / std::sqrt(3.0);
+    const double coordinates[3] = {1 - second - third, second, third};
+    const std::vector<double> W = weights({PatchKind::gregory_triangle, 3, 3}, st);
+    for (int k = 0; k < 3; ++k) {
+      const double u = coordinates[k], v = coordinates[(k + 1) % 3], w = coordinates[(k + 2) % 3];
+      const double quartic = 12 * u * u * v * w, whole = (1 - w) * v + (1 - v) * w;
+      ASSERT_NEAR(W[5 * k + 3], quartic * (1 - w) * v / whole, 1e-14);
+      ASSERT_NEAR(W[5 * k + 4], quartic * (1 - v) * w / whole, 1e-14);
+    }
+  }
+}
+
 // ---- The formulas as they are printed ----------------------------------------------------------------------------------------
 
 // phi at a place of the chart, by the general formulas of polygons.

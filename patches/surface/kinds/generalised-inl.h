@@ -18,11 +18,11 @@ namespace iso {
 inline constexpr int kMostRibbonDegree = 15;
 
 // The Bernstein polynomials of all sides: along[k][j] B_j(s_k), inward[k][r] B_r(h_k).
-template <class T>
+template <class T, int kMost>
 struct RibbonWeights {
   int sides, degree;
   SideValues<T> at;
-  std::array<std::array<T, kMostRibbonDegree + 1>, kMostSides> along, inward;
+  std::array<std::array<T, kMost + 1>, kMostSides> along, inward;
 
   RibbonWeights(int degree_, const DomainPoint<T>& x, SideParameters parameters)
       : sides(x.sides), degree(degree_), at(side_values(x, parameters)) {
@@ -40,18 +40,36 @@ struct RibbonWeights {
     if (k == 0) return blend(from_own, from_next, X, Y);
     return (from_own * X + from_next * Y) / (from_own + from_next);
   }
+  // The weight of corner k itself. Near corner 0 it is 1 less a blend of small numbers, since the difference of the two near 1 is all
+  // rounding.
+  T of_corner(int k) const {
+    const int next = (k + 1) % sides;
+    if (k != 0) return at_corner(k, in_ribbon(next, 0, 0), in_ribbon(k, degree, 0));
+    const T lost_next = lost(at.s[next], at.s_rest[next], at.h[next], at.h_rest[next]);
+    const T lost_own = lost(at.s_rest[k], at.s[k], at.h[k], at.h_rest[k]);
+    return T(1.0) - at_corner(k, lost_next, lost_own);
+  }
+
+ private:
+  // 1 - (1 - s)^d (1 - h)^d, as a multiple of s + h - s h.
+  T lost(const T& s, const T& s_rest, const T& h, const T& h_rest) const {
+    const T left = s_rest * h_rest;
+    T sum(1.0);
+    for (int k = 1; k < degree; ++k) sum = sum * left + T(1.0);
+    return (s + h * s_rest) * sum;
+  }
 };
 
 // Generalised Gregory, degree 3: five points a corner as in gregory-inl.h, and the central point last.
 template <class T>
 void generalised_gregory_weights(const DomainPoint<T>& x, SideParameters parameters, T* W) {
-  const RibbonWeights<T> ribbon(3, x, parameters);
+  const RibbonWeights<T, 3> ribbon(3, x, parameters);
   const T none(0.0);
   T rest(1.0);
   for (int k = 0; k < x.sides; ++k) {
     const int next = (k + 1) % x.sides;
     T* of = W + 5 * k;
-    of[0] = ribbon.at_corner(k, ribbon.in_ribbon(next, 0, 0), ribbon.in_ribbon(k, 3, 0));
+    of[0] = ribbon.of_corner(k);
     of[1] = ribbon.at_corner(k, ribbon.in_ribbon(next, 1, 0), ribbon.in_ribbon(k, 3, 1));
     of[2] = ribbon.at_corner(k, ribbon.in_ribbon(next, 0, 1), ribbon.in_ribbon(k, 2, 0));
     of[3] = ribbon.at_corner(k, ribbon.in_ribbon(next, 1, 1), none);
@@ -71,9 +89,9 @@ inline int ribbon_index(int sides, int degree, int side, int j, int r) {
 }
 
 // The blends: where both indices are below 2 by the distances; on the diagonals beyond, halves; between the diagonals the ribbon's own.
-template <class T>
-void generalised_bezier_weights(int degree, const DomainPoint<T>& x, SideParameters parameters, T* W) {
-  const RibbonWeights<T> ribbon(degree, x, parameters);
+template <int kMost, class T>
+void generalised_bezier_weights_to(int degree, const DomainPoint<T>& x, SideParameters parameters, T* W) {
+  const RibbonWeights<T, kMost> ribbon(degree, x, parameters);
   const int n = x.sides, d = degree;
   T rest(1.0);
   for (int k = 0; k < n; ++k) {
@@ -82,7 +100,9 @@ void generalised_bezier_weights(int degree, const DomainPoint<T>& x, SideParamet
       for (int j = r; j < d - r; ++j) {
         T& w = W[ribbon_index(n, d, next, j, r)];
         const bool at_start = r < 2 && j < 2, at_end = r == 0 && j == d - 1;
-        if (at_start)
+        if (r == 0 && j == 0)
+          w = ribbon.of_corner(k);
+        else if (at_start)
           w = ribbon.at_corner(k, ribbon.in_ribbon(next, j, r), ribbon.in_ribbon(own, d - r, j));
         else if (at_end)
           w = ribbon.at_corner(next, ribbon.in_ribbon((next + 1) % n, 0, 1), ribbon.in_ribbon(next, j, r));
@@ -95,6 +115,12 @@ void generalised_bezier_weights(int degree, const DomainPoint<T>& x, SideParamet
     }
   }
   W[0] = rest;
+}
+
+template <class T>
+void generalised_bezier_weights(int degree, const DomainPoint<T>& x, SideParameters parameters, T* W) {
+  if (degree <= 5) return generalised_bezier_weights_to<5>(degree, x, parameters, W);
+  generalised_bezier_weights_to<kMostRibbonDegree>(degree, x, parameters, W);
 }
 
 }  // namespace iso
