@@ -109,6 +109,20 @@ class SplineMaker {
           for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) to[m][i][j] = W[m].c[Series::index(i, j)] * kFactorial[i] * kFactorial[j];
       }
+    set_boundary_at_corner();
+  }
+
+  // At the corner the second derivatives of a formula may depend on the direction. Those along the borders are the boundary curves',
+  // Bernstein polynomials of s / 2 and of t / 2: so the spline meets them.
+  void set_boundary_at_corner() {
+    const std::vector<int> next = points_of_side(basis_, 1), back = points_of_side(basis_, 0);
+    const double second = 0.25 * basis_.degree * (basis_.degree - 1);
+    for (NodeDerivatives& D : nodes_[0]) D[2][0] = D[0][2] = 0;
+    constexpr double kDifference[] = {1, -2, 1};
+    for (std::size_t j = 0; j < 3; ++j) {
+      nodes_[0][static_cast<std::size_t>(next[j])][2][0] = second * kDifference[j];
+      nodes_[0][static_cast<std::size_t>(back[back.size() - 1 - j])][0][2] = second * kDifference[j];
+    }
   }
 
   // The quintic of a weight over a cell, as powers of its middle's (a, b) over a box of the unit square.

@@ -1,6 +1,7 @@
 // The regular polygon as the formulas of the patch kinds want it, and the two primitives that a corner needs: `blend` and `share`.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -8,26 +9,37 @@
 
 namespace iso {
 
-// (a X + b Y) / (a + b), where a and b are not negative, vanish together at a corner only, and X - Y vanishes there to second order: so the
-// value has a tangent plane at the corner. At the corner itself the mean. Number types that hold ranges have a `blend` of their own.
-inline double blend(double a, double b, double X, double Y) {
-  const double sum = a + b;
-  return sum != 0 ? (a * X + b * Y) / sum : 0.5 * (X + Y);
-}
-inline Dual2 blend(const Dual2& a, const Dual2& b, const Dual2& X, const Dual2& Y) {
-  const Dual2 sum = a + b, mean = 0.5 * (X + Y);
-  if (sum.f == 0) return mean;
-  return mean + 0.5 * (a - b) / sum * (X - Y);
+// a + b, where both vanish together at a corner only. Inside the patch neither is negative; beyond its borders, where one of them is, the
+// sum stops at a third of their difference: so the formulas continue through a border smoothly, and no line on which a + b vanishes leaves
+// the corner.
+inline double corner_sum(double a, double b) { return std::max(a + b, 0.5 * (std::abs(a) + std::abs(b))); }
+inline Dual2 corner_sum(const Dual2& a, const Dual2& b) {
+  if (a.f + b.f >= 0.5 * (std::abs(a.f) + std::abs(b.f))) return a + b;
+  return 0.5 * ((a.f < 0 ? -a : a) + (b.f < 0 ? -b : b));
 }
 
-// a / (a + b), where neither is negative. Where both vanish it has no limit, and 1/2 with no derivatives stands for it: only for what is
-// multiplied by something that vanishes there to second order. Number types that hold ranges have a `share` of their own.
+// (a X + b Y) / (a + b), where a and b vanish together at a corner only, and X - Y vanishes there to second order: so the value has a
+// tangent plane at the corner. At the corner itself the mean. Number types that hold ranges have a `blend` of their own.
+inline double blend(double a, double b, double X, double Y) {
+  const double sum = corner_sum(a, b), mean = 0.5 * (X + Y);
+  if (sum != a + b) return mean + 0.5 * (a - b) / sum * (X - Y);
+  return sum != 0 ? (a * X + b * Y) / sum : mean;
+}
+inline Dual2 blend(const Dual2& a, const Dual2& b, const Dual2& X, const Dual2& Y) {
+  const Dual2 sum = corner_sum(a, b), mean = 0.5 * (X + Y);
+  return sum.f != 0 ? mean + 0.5 * (a - b) / sum * (X - Y) : mean;
+}
+
+// a / (a + b), likewise. Where both vanish it has no limit, and 1/2 with no derivatives stands for it: only for what is multiplied by
+// something that vanishes there to second order. Number types that hold ranges have a `share` of their own.
 inline double share(double a, double b) {
-  const double sum = a + b;
+  const double sum = corner_sum(a, b);
+  if (sum != a + b) return 0.5 + 0.5 * (a - b) / sum;
   return sum != 0 ? a / sum : 0.5;
 }
 inline Dual2 share(const Dual2& a, const Dual2& b) {
-  const Dual2 sum = a + b;
+  const Dual2 sum = corner_sum(a, b);
+  if (sum.f != a.f + b.f) return 0.5 + 0.5 * (a - b) / sum;
   return sum.f != 0 ? a / sum : Dual2(0.5);
 }
 

@@ -1,0 +1,235 @@
+#include "reference/patch_intersector.h"
+
+#include <algorithm>
+
+#include "patches/surface/patch_basis-inl.h"
+#include "reference/patch_enclosure.h"
+
+namespace iso::reference {
+
+namespace {
+
+static_assert(Model::kCount == 6);
+constexpr double kRounding = 1e-14;    // sizes: what bounds and points may be rounded by
+constexpr double kSmallest = 0x1p-27;  // of a chart: a line that touches is not told from one that does not within its square
+constexpr double kKept = 0x1p-9;       // of a chart: smaller boxes are bounded anew each time
+constexpr double kOneToOne = 0.9;      // how much of a tangent may vary, below 1
+constexpr double kBeyond = 1e-10;      // half widths: roots on a border are found from both sides of it
+constexpr double kTwice = 1e-10;       // sizes: meetings nearer than that are one
+
+struct Place {
+  Vec3 S{0.0}, Ss{0.0}, St{0.0};
+};
+
+// The formulas in doubles.
+Place place_at(const NSidedPatch& patch, const Vec2& st) {
+  std::vector<Dual2> W(patch.points.size());
+  weights_at(patch.basis, st, std::span<Dual2>(W));
+  Place sum;
+  double w = 0, ws = 0, wt = 0;
+  for (std::size_t m = 0; m < W.size(); ++m) {
+    const double weight = patch.weights.empty() ? 1.0 : patch.weights[m];
+    sum.S += weight * W[m].f * patch.points[m];
+    sum.Ss += weight * W[m].u * patch.points[m];
+    sum.St += weight * W[m].v * patch.points[m];
+    w += weight * W[m].f;
+    ws += weight * W[m].u;
+    wt += weight * W[m].v;
+  }
+  if (patch.weights.empty()) return sum;
+  const Vec3 S = sum.S / w;
+  return {S, (sum.Ss - ws * S) / w, (sum.St - wt * S) / w};
+}
+
+NSidedPatch turned(const NSidedPatch& patch) {
+  NSidedPatch next = patch;
+  const std::vector<int> from = points_from_next_corner(patch.basis);
+  for (std::size_t m = 0; m < from.size(); ++m) {
+    next.points[m] = patch.points[static_cast<std::size_t>(from[m])];
+    if (!patch.weights.empty()) next.weights[m] = patch.weights[static_cast<std::size_t>(from[m])];
+  }
+  return next;
+}
+
+Vec3 absolute(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+
+PatchMeeting meeting_at(int chart, const Vec2& st, const Place& at, const Vec3& o, const Vec3& d, bool doubtful) {
+  PatchMeeting m{
+      .t = glm::dot(at.S - o, d), .chart = chart, .st = st, .p = at.S, .n = glm::cross(at.Ss, at.St), .cosine = 0, .doubtful = doubtful};
+  const double length = glm::length(m.n);
+  m.n = length > 0 ? m.n / length : Vec3(0.0);
+  m.cosine = glm::dot(m.n, d);
+  return m;
+}
+
+}  // namespace
+
+struct PatchIntersector::Found {
+  int chart;
+  std::vector<PatchMeeting>& meetings;
+};
+
+PatchIntersector::PatchIntersector(const NSidedPatch& patch) {
+  Box3 box;
+  for (const Vec3& p : patch.points) box.include(p);
+  about_ = box.middle();
+  size_ = box.diagonal();
+  NSidedPatch centred = patch;
+  for (Vec3& p : centred.points) p -= about_;
+  for (int k = 0; k < patch.basis.sides; ++k) {
+    charts_.push_back({centred, {Bounds{}}});
+    centred = turned(centred);
+  }
+}
+
+std::size_t PatchIntersector::boxes() const {
+  std::size_t sum = 0;
+  for (const Chart& chart : charts_) sum += chart.tree.size();
+  return sum;
+}
+
+// S and its tangents by the formulas, with bounds for numbers.
+void PatchIntersector::bound(const NSidedPatch& patch, Bounds& box) const {
+  const double half = 0.5 * box.width;
+  const Vec2 middle = box.lo + half;
+  std::vector<Enclosure> W(patch.points.size());
+  patch_weights<Enclosure>(patch.basis, {Model(middle.x, half, 0), 1.0, 0.0}, {Model(middle.y, 0, half), 0.0, 1.0}, W.data());
+  Enclosure S[3], weight;
+  for (std::size_t m = 0; m < W.size(); ++m) {
+    const Enclosure w = patch.weights.empty() ? W[m] : W[m] * patch.weights[m];
+    if (!patch.weights.empty()) weight = weight + w;
+    for (int c = 0; c < 3; ++c) S[c] = S[c] + w * patch.points[m][c];
+  }
+  for (int c = 0; c < 3; ++c) {
+    if (!patch.weights.empty()) S[c] = S[c] / weight;
+    for (int k = 0; k < kTerms; ++k) box.c[static_cast<std::size_t>(k)][c] = S[c].f.c[static_cast<std::size_t>(k)];
+    box.radius[c] = S[c].f.radius + kRounding * size_;
+    box.Ss[c] = S[c].s.c[0];
+    box.St[c] = S[c].t.c[0];
+    box.rs[c] = S[c].s.spread() + kRounding * size_;
+    box.rt[c] = S[c].t.spread() + kRounding * size_;
+  }
+  box.known = true;
+}
+
+// Whether both planes of the line pass what is bounded. Bounds that are not numbers bound nothing.
+bool PatchIntersector::may_meet(const Bounds& box, const Line& line) const {
+  for (const Vec3& n : line.n) {
+    double reach = glm::dot(absolute(n), box.radius);
+    for (std::size_t k = 1; k < kTerms; ++k) reach += std::abs(glm::dot(n, box.c[k]));
+    if (std::abs(glm::dot(n, box.c[0] - line.o)) > reach) return false;
+  }
+  return true;
+}
+
+// True if the chart over the box is one-to-one as seen along the line: then its root, if it has one, is found. In (a, b) of the box, with
+// Y the inverse of the middle of the derivatives: all roots in X lie in x - Y F(x) + (1 - Y F'(X)) (X - x), for any x in X.
+bool PatchIntersector::settle(const Chart& chart, const Bounds& box, const Line& line, Found& found) const {
+  const double half = 0.5 * box.width;
+  double A[2][2], R[2][2], Y[2][2], vary[2][2], fuzzy[2];
+  for (int i = 0; i < 2; ++i) {
+    A[i][0] = half * glm::dot(line.n[i], box.Ss);
+    A[i][1] = half * glm::dot(line.n[i], box.St);
+    R[i][0] = half * glm::dot(absolute(line.n[i]), box.rs);
+    R[i][1] = half * glm::dot(absolute(line.n[i]), box.rt);
+  }
+  const double det = A[0][0] * A[1][1] - A[0][1] * A[1][0];
+  Y[0][0] = A[1][1] / det;
+  Y[1][1] = A[0][0] / det;
+  Y[0][1] = -A[0][1] / det;
+  Y[1][0] = -A[1][0] / det;
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) vary[i][j] = std::abs(Y[i][0]) * R[0][j] + std::abs(Y[i][1]) * R[1][j];
+    fuzzy[i] = (std::abs(Y[i][0]) + std::abs(Y[i][1])) * kRounding * size_;
+    if (!(vary[i][0] + vary[i][1] < kOneToOne)) return false;
+  }
+
+  Box2 X{Vec2(-1 - kBeyond), Vec2(1 + kBeyond)};
+  Vec2 x(0.0);
+  for (int step = 0; step < 200; ++step) {
+    const Vec2 st = box.lo + half * (x + 1.0);
+    const Place at = place_at(chart.patch, st);
+    const double F[2] = {glm::dot(line.n[0], at.S - line.o), glm::dot(line.n[1], at.S - line.o)};
+    const Vec2 newton{Y[0][0] * F[0] + Y[0][1] * F[1], Y[1][0] * F[0] + Y[1][1] * F[1]};
+    if ((std::abs(newton.x) <= fuzzy[0] && std::abs(newton.y) <= fuzzy[1]) || glm::length(X.size()) < 1e-12) {
+      found.meetings.push_back(meeting_at(found.chart, st, at, line.o, line.d, false));
+      return true;
+    }
+    const Vec2 far = glm::max(X.hi - x, x - X.lo);
+    for (int i = 0; i < 2; ++i) {
+      const double wide = vary[i][0] * far.x + vary[i][1] * far.y + fuzzy[i];
+      X.lo[i] = std::max(X.lo[i], x[i] - newton[i] - wide);
+      X.hi[i] = std::min(X.hi[i], x[i] - newton[i] + wide);
+    }
+    if (X.empty()) return true;
+    // From Newton's next point, which need not be in X.
+    const double a = half * glm::dot(line.n[0], at.Ss), b = half * glm::dot(line.n[0], at.St), c = half * glm::dot(line.n[1], at.Ss),
+                 d = half * glm::dot(line.n[1], at.St), D = a * d - b * c;
+    const Vec2 next = D != 0 ? x - Vec2(d * F[0] - b * F[1], a * F[1] - c * F[0]) / D : X.middle();
+    x = finite(next) ? glm::clamp(next, X.lo, X.hi) : X.middle();
+  }
+  return false;
+}
+
+void PatchIntersector::leave_doubtful(const Chart& chart, const Bounds& box, const Line& line, Found& found) const {
+  const Vec2 middle = box.lo + 0.5 * box.width;
+  found.meetings.push_back(meeting_at(found.chart, middle, place_at(chart.patch, middle), line.o, line.d, true));
+}
+
+void PatchIntersector::search_deep(const Chart& chart, Bounds box, const Line& line, Found& found) const {
+  bound(chart.patch, box);
+  if (!may_meet(box, line) || settle(chart, box, line, found)) return;
+  if (box.width <= kSmallest) return leave_doubtful(chart, box, line, found);
+  const double half = 0.5 * box.width;
+  for (const Vec2& corner : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)})
+    search_deep(chart, {.lo = box.lo + half * corner, .width = half}, line, found);
+}
+
+void PatchIntersector::search(Chart& chart, int index, const Line& line, Found& found) const {
+  const auto at = static_cast<std::size_t>(index);
+  if (!chart.tree[at].known) bound(chart.patch, chart.tree[at]);
+  const Bounds box = chart.tree[at];
+  if (!may_meet(box, line) || settle(chart, box, line, found)) return;
+  const double half = 0.5 * box.width;
+  const Vec2 corners[4] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+  if (half < kKept) {
+    for (const Vec2& corner : corners) search_deep(chart, {.lo = box.lo + half * corner, .width = half}, line, found);
+    return;
+  }
+  if (box.children < 0) {
+    chart.tree[at].children = static_cast<int>(chart.tree.size());
+    for (const Vec2& corner : corners) chart.tree.push_back({.lo = box.lo + half * corner, .width = half});
+  }
+  const int first = chart.tree[at].children;
+  for (int k = 0; k < 4; ++k) search(chart, first + k, line, found);
+}
+
+std::vector<PatchMeeting> PatchIntersector::all(const Vec3& o, const Vec3& d) {
+  // From the place nearest to the patch, since lengths are rounded.
+  const double ahead = glm::dot(about_ - o, d);
+  Line line{.o = o + ahead * d - about_, .d = d, .n = {}};
+  line.n[0] = any_perpendicular(d);
+  line.n[1] = glm::cross(d, line.n[0]);
+  std::vector<PatchMeeting> meetings;
+  for (std::size_t k = 0; k < charts_.size(); ++k) {
+    Found found{static_cast<int>(k), meetings};
+    search(charts_[k], 0, line, found);
+  }
+  for (PatchMeeting& m : meetings) {
+    m.p += about_;
+    m.t += ahead;
+  }
+  std::sort(meetings.begin(), meetings.end(), [](const PatchMeeting& a, const PatchMeeting& b) { return a.t < b.t; });
+  // The same point in the same sense from two boxes; squares that touch the line lie side by side.
+  std::vector<PatchMeeting> once;
+  for (const PatchMeeting& m : meetings) {
+    const bool again = std::any_of(once.begin(), once.end(), [&](const PatchMeeting& k) {
+      if (k.doubtful || m.doubtful) return glm::length(k.p - m.p) <= 64 * kSmallest * size_;
+      return glm::length(k.p - m.p) <= kTwice * size_ && k.cosine * m.cosine > 0;
+    });
+    if (!again) once.push_back(m);
+  }
+  return once;
+}
+
+}  // namespace iso::reference
