@@ -65,6 +65,7 @@ class BendTreeBuilder {
 
   void build(const NurbsSurface& surface, const Box2& domain);
   void build(const Revolution& surface, const Box2& domain);
+  double build(const PatchChart& chart, const Box2& domain);
 
  private:
   struct Spans {
@@ -180,6 +181,14 @@ void BendTreeBuilder::build(const NurbsSurface& surface, const Box2& domain) {
   over_spans({0, count_u_, 0, count_v_});
 }
 
+// Of a spline beside the chart that leaves most of the tolerance. Returns what the two are apart, twice.
+double BendTreeBuilder::build(const PatchChart& chart, const Box2& domain) {
+  constexpr double kShareOfTolerance = 0.05;
+  const ChartSpline spline = spline_beside(chart, tolerance_ > 0 ? kShareOfTolerance * tolerance_ : chart.error);
+  build(*spline.near, domain);
+  return 2 * spline.error;
+}
+
 // ---- revolutions -------------------------------------------------------------------------------------------------------
 
 // Triangles are about as wide as they are high: that is the width in u to weigh the entries by.
@@ -274,7 +283,6 @@ Box2 ending_at_knots(const AnySurface& surface, Box2 domain) {
 BendTree::BendTree(const AnySurface& surface, const Box2& whole, double tolerance) : domain_(ending_at_knots(surface, whole)) {
   const Box2& domain = domain_;
   touch_ = 16 * kEps * glm::max(glm::abs(domain.lo), glm::abs(domain.hi));
-  apart_ = 2 * distance_of_pieces(surface);
   BendTreeBuilder builder(*this, tolerance);
   if (has_closed_form_bend(surface))
     closed_form_ = surface;
@@ -283,7 +291,7 @@ BendTree::BendTree(const AnySurface& surface, const Box2& whole, double toleranc
   else if (const auto* revolution = std::get_if<Revolution>(&surface))
     builder.build(*revolution, domain);
   else if (const auto* chart = std::get_if<PatchChart>(&surface))
-    builder.build(*chart->near, domain);
+    apart_ = builder.build(*chart, domain);
   else
     builder.build(std::get<NurbsSurface>(surface), domain);
   if (!has_closed_form_bend(surface) && nodes_.empty()) nodes_.emplace_back().bend = unbounded_bend();  // a domain without width

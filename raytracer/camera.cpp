@@ -79,6 +79,16 @@ Ray camera_ray(const Camera& camera, const ImageSize& size, double x, double y) 
   return {camera.position, glm::normalize(offset - camera.back)};
 }
 
+RayDifferential ray_differential(const Camera& camera, const ImageSize& size, const Ray& ray) {
+  const double scale = 2 * camera.half_height / size.height;
+  const Vec3 right = scale * camera.right, down = -scale * camera.up;
+  if (camera.projection == Projection::orthographic) return {right, down, Vec3(0.0), Vec3(0.0)};
+  // d = w / |w| for w with depth 1, so that 1 / |w| is the cosine to the line of sight.
+  const double cosine = -glm::dot(ray.d, camera.back);
+  const auto turned = [&](const Vec3& w) { return cosine * (w - glm::dot(w, ray.d) * ray.d); };
+  return {Vec3(0.0), Vec3(0.0), turned(right), turned(down)};
+}
+
 std::optional<Camera> look_at(Projection projection, const Vec3& from, const Vec3& at, const Vec3& up, double extent) {
   // Directions are compared after scaling to unit length, so that neither the scene's size nor its place matters.
   const double distance = glm::length(from - at), length = glm::length(up);

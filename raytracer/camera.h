@@ -33,6 +33,13 @@ struct Camera {
 // The ray through pixel coordinates (x, y); unit direction.
 Ray camera_ray(const Camera& camera, const ImageSize& size, double x, double y);
 
+// How the ray through a point of the picture changes per pixel to the right (x) and down (y).  [Igehy 1999, 2.1]
+struct RayDifferential {
+  Vec3 o_x{0.0}, o_y{0.0}, d_x{0.0}, d_y{0.0};
+};
+// Of a ray that camera_ray made.
+RayDifferential ray_differential(const Camera& camera, const ImageSize& size, const Ray& ray);
+
 // A camera at `from` that looks at `at`. Nothing if the points coincide or `up` is parallel to the line of sight.
 // `extent`: degrees of vertical field of view, or visible height.
 std::optional<Camera> look_at(Projection projection, const Vec3& from, const Vec3& at, const Vec3& up, double extent);

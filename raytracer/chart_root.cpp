@@ -5,10 +5,6 @@ namespace iso {
 namespace {
 
 constexpr int kMostSteps = 12;
-// Steps smaller than this (of the chart's square) are taken, and the last.
-constexpr double kLastStep = 1e-9;
-// So far beyond its borders a chart may be followed.
-constexpr double kBeyond = 0.02;
 
 }  // namespace
 
@@ -37,15 +33,15 @@ ChartRoot root_on_chart(const PatchChart& chart, const LocalRay& ray, const Vec2
     if (!(std::abs(det) > 1e-300)) break;
     const Vec2 step{(b * F.y - d * F.x) / det, (c * F.x - a * F.y) / det};
     const double size = std::max(std::abs(step.x), std::abs(step.y));
-    if (off <= rounding || size < kLastStep) {
+    if (off <= rounding || size < kLastChartStep) {
       // The last step to first order.
-      const Vec2 move = size < kLastStep ? step : Vec2(0.0);
+      const Vec2 move = size < kLastChartStep ? step : Vec2(0.0);
       root.st = st + move;
       root.t = ray.t_of(at.S + move.x * at.Ss + move.y * at.St);
       return root;
     }
     if (!(size < 1)) break;
-    st = glm::clamp(st + step, Vec2(-kBeyond), Vec2(1 + kBeyond));
+    st = glm::clamp(st + step, Vec2(-kBeyondChart), Vec2(1 + kBeyondChart));
   }
   root.met = false;
   return root;

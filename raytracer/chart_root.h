@@ -1,13 +1,16 @@
-// From a root on the spline beside a chart of an n-sided patch to the root on the chart itself (patch_chart.h).
+// From roots on the spline beside a chart of an n-sided patch to roots on the chart itself (patch_chart.h).
 //
 // Which rays meet a chart is decided by its spline, whose distance is proven and which neighbours share along their borders; where they
 // meet it, by the chart.
 #pragma once
 
 #include "patches/surface/surface.h"
-#include "raytracer/local_ray.h"
+#include "raytracer/leaf_kernel.h"
 
 namespace iso {
+
+// The chart of a surface that is not its own spline, else null.
+const PatchChart* blended_chart(const AnySurface& surface);
 
 struct ChartRoot {
   Vec2 st{0.0};
@@ -16,10 +19,16 @@ struct ChartRoot {
   bool met = true;  // false: the ray touches the spline but not the chart, within the distance of the two; the nearest point found
 };
 
-// The chart of a surface that is not its own spline, else null.
-const PatchChart* blended_chart(const AnySurface& surface);
-
-// Newton from the root of the spline.
+// Newton from a root of the spline.
 ChartRoot root_on_chart(const PatchChart& chart, const LocalRay& ray, const Vec2& start);
+
+// The same of several rays at once: (s, t) of the roots are those of the chart. Returns the lanes for which it did not end; theirs are left
+// as they were, for `root_on_chart`. Instruction sets differ by rounding.
+LaneMask roots_on_chart(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots);
+
+// Steps smaller than this (of the chart's square) are taken, and the last: the next would be its square.
+inline constexpr double kLastChartStep = 1e-7;
+// So far beyond its borders a chart may be followed.
+inline constexpr double kBeyondChart = 0.02;
 
 }  // namespace iso

@@ -454,6 +454,11 @@ Curvatures Tracer::curvatures(const Hit& hit) const {
   return {exact.k1, exact.k2};
 }
 
+Mat3 Tracer::shape_operator(const Hit& hit) const {
+  const auto placed = static_cast<std::size_t>(hit.placed);
+  return shape_operator_on_face(impl_->scene.placed[placed], impl_->placed[placed].to_part, hit);
+}
+
 bool Tracer::meet_at_loose_edge(const Hit& a, const Hit& b) const {
   if (a.placed != b.placed) return false;
   const PartGeometry& geometry = impl_->placed[static_cast<std::size_t>(a.placed)].part->geometry;

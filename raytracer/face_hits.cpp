@@ -7,24 +7,44 @@
 
 namespace iso {
 
+namespace {
+
+void bring_to_world(const Placed& placed, Jet2& j) {
+  for (Vec3* d : {&j.Su, &j.Sv, &j.Suu, &j.Suv, &j.Svv}) *d = placed.to_world.vector(*d);
+}
+
+// Unit, outward, in world coordinates; zero where there is none.
+Vec3 outward_normal(const Face& face, const Affine3& to_part, UV uv) {
+  Vec3 normal = unit_normal(face.surface, uv, face.domain);
+  if (face.reversed) normal = -normal;
+  return normal == Vec3(0.0) ? normal : transform_normal(to_part, normal);
+}
+
+}  // namespace
+
 SurfacePoint point_on_face(const Placed& placed, const Affine3& to_part, double size, const Hit& hit) {
   const Face& f = placed.part->faces[static_cast<std::size_t>(hit.face)];
   Jet2 j = jet2(f.surface, hit.uv);
   SurfacePoint out;
   const double terms = size + size_of_terms(f.surface, j.S);
-  Vec3 normal = unit_normal(f.surface, hit.uv, f.domain);
-  if (f.reversed) normal = -normal;
   out.p = placed.to_world.point(j.S);
-  for (Vec3* d : {&j.Su, &j.Sv, &j.Suu, &j.Suv, &j.Svv}) *d = placed.to_world.vector(*d);
+  bring_to_world(placed, j);
   out.Su = j.Su;
   out.Sv = j.Sv;
-  out.n = normal == Vec3(0.0) ? normal : transform_normal(to_part, normal);
+  out.n = outward_normal(f, to_part, hit.uv);
   const Curvatures k = principal_curvatures(j, out.n);
   out.k1 = k.k1;
   out.k2 = k.k2;
   out.error_bound = rounding_of_point(placed.to_world, terms, out.p);
   out.ng = out.side = out.n;
   return out;
+}
+
+Mat3 shape_operator_on_face(const Placed& placed, const Affine3& to_part, const Hit& hit) {
+  const Face& f = placed.part->faces[static_cast<std::size_t>(hit.face)];
+  Jet2 j = jet2(f.surface, hit.uv);
+  bring_to_world(placed, j);
+  return shape_operator(j, outward_normal(f, to_part, hit.uv));
 }
 
 namespace {

@@ -11,7 +11,8 @@ namespace iso {
 // Separable Blackman-Harris window; non-negative, smooth, no ringing.
 class PixelFilter {
  public:
-  static constexpr double kRadius = 1.5;  // pixels; the visible width is about a third of the support
+  static constexpr double kRadius = 1.5;         // pixels; the visible width is about a third of the support
+  static constexpr double kDeviation = 0.41552;  // pixels: the standard deviation of an offset along one axis
 
   PixelFilter();
 

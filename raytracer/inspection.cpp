@@ -92,7 +92,12 @@ class Inspection {
       case Shade::solver:
         return solver_colour(hit);
       case Shade::clay:
-        break;  // has an integrator of its own
+      case Shade::zebra:
+      case Shade::reflection_lines:
+      case Shade::isophotes:
+      case Shade::mean_curvature:
+      case Shade::gauss_curvature:
+        break;  // have integrators of their own
     }
     ISO_CHECK(!"an inspection shade");
   }

@@ -163,10 +163,11 @@ class Offers final : public RootSink {
 
   void found(const LeafRoots& roots) override {
     packet_.stats->solves += lane_count(roots.found);
+    if (chart_) return found_beside(roots);
     for_each_lane(roots.found, [&](int lane) {
       const unsigned steps = static_cast<unsigned>(roots.steps[lane]);
       packet_.stats->newton_steps += steps;
-      propose(lane, {roots.s[lane], roots.t[lane]}, roots.distance[lane], HitStatus::converged, steps);
+      propose(lane, patch_.piece.to_native({roots.s[lane], roots.t[lane]}), roots.distance[lane], HitStatus::converged, steps);
     });
   }
 
@@ -177,22 +178,45 @@ class Offers final : public RootSink {
     for_each_lane(lanes, [&](int lane) {
       roots.clear();
       roots_in_window(net, window, packet_.local.ray(lane), *packet_.stats, roots);
-      for (const Root& root : roots) propose(lane, root.st, root.t, root.status, root.steps);
+      for (const Root& root : roots) {
+        const UV uv = patch_.piece.to_native(root.st);
+        if (chart_)
+          propose_on_chart(lane, uv, root.status, root.steps);
+        else
+          propose(lane, uv, root.t, root.status, root.steps);
+      }
     });
   }
 
  private:
-  void propose(int lane, const Vec2& st, double t, HitStatus status, unsigned steps) {
-    Offer root{patch_.face, patch_.piece.to_native(st), t, status, steps, crossing_, id_};
-    if (chart_) {
-      const ChartRoot exact = root_on_chart(*chart_, packet_.local.ray(lane), root.uv);
-      packet_.stats->newton_steps += exact.steps;
-      root.uv = exact.st;
-      root.t = exact.t;
-      root.steps += exact.steps;
-      if (!exact.met) root.status = HitStatus::tangent;
-    }
-    if (offer(packet_, lane, geometry_, root)) changed_ |= 1u << lane;
+  // Roots of the spline beside a chart.
+  void found_beside(const LeafRoots& roots) {
+    LeafRoots exact = roots;
+    for_each_lane(roots.found, [&](int lane) {
+      const UV uv = patch_.piece.to_native({roots.s[lane], roots.t[lane]});
+      exact.s[lane] = uv.x;
+      exact.t[lane] = uv.y;
+    });
+    const LaneMask left = roots_on_chart(*chart_, packet_.local, exact);
+    for_each_lane(roots.found, [&](int lane) {
+      const UV uv{exact.s[lane], exact.t[lane]};
+      const unsigned steps = static_cast<unsigned>(exact.steps[lane]);
+      packet_.stats->newton_steps += steps;
+      if (left >> lane & 1)
+        propose_on_chart(lane, uv, HitStatus::converged, steps);
+      else
+        propose(lane, uv, exact.distance[lane], HitStatus::converged, steps);
+    });
+  }
+
+  void propose_on_chart(int lane, const UV& near, HitStatus status, unsigned steps) {
+    const ChartRoot root = root_on_chart(*chart_, packet_.local.ray(lane), near);
+    packet_.stats->newton_steps += root.steps;
+    propose(lane, root.st, root.t, root.met ? status : HitStatus::tangent, steps + root.steps);
+  }
+
+  void propose(int lane, const UV& uv, double t, HitStatus status, unsigned steps) {
+    if (offer(packet_, lane, geometry_, {patch_.face, uv, t, status, steps, crossing_, id_})) changed_ |= 1u << lane;
   }
 
   Packet& packet_;

@@ -60,7 +60,7 @@ class TileRenderer {
         for (std::size_t i = block; i < std::min(block + kBlockPixels, pixels.size()); ++i) {
           const SampleId id{static_cast<std::uint32_t>(pixels[i].x), static_cast<std::uint32_t>(pixels[i].y),
                             static_cast<std::uint32_t>(s)};
-          const Vec2 at = Vec2(pixels[i]) + 0.5 + filter_.offset(sampler_.pair(id, Dimension::filter));
+          const Vec2 at = Vec2(pixels[i]) + 0.5 + offset(id);
           samples.push_back(id);
           rays.push_back(camera_ray(camera_, settings_.size, at.x, at.y));
           owners.push_back(i);
@@ -73,6 +73,8 @@ class TileRenderer {
     integrator_({samples, rays, hits}, colours, stats);
     for (std::size_t k = 0; k < colours.size(); ++k) sums[owners[k]] += glm::dvec4(colours[k]);
   }
+
+  Vec2 offset(const SampleId& id) const { return settings_.spread * filter_.offset(sampler_.pair(id, Dimension::filter)); }
 
   // One more ray through each pixel's centre: data must not be blended.
   void write_data(const std::vector<glm::ivec2>& pixels, Film& film, SolverStats& stats) const {

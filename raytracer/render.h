@@ -23,6 +23,7 @@ struct RenderSettings {
   std::uint64_t seed = 0;
   unsigned aovs = kAovAll;
   Background background;
+  double spread = 1;  // of the pixel filter: less where the integrator filters its samples itself; 0 puts them in the pixel's middle
 };
 
 struct RenderResult {

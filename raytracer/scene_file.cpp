@@ -97,6 +97,7 @@ ModelEntry model(const Node& node, const std::filesystem::path& folder) {
   entry.file = (folder / file).string();
   if (node.has("transform")) entry.to_world = transform(node["transform"]);
   if (node.has("colour")) entry.colour = node["colour"].colour();
+  if (node.has("patches")) entry.patches = static_cast<MeshPatches>(node["patches"].word(kMeshPatchNames));
   return entry;
 }
 
@@ -194,6 +195,32 @@ MeshRequest mesh(const Node& node) {
   return request;
 }
 
+ShadeOptions shade_options(const Node& node, Shade shade) {
+  node.check_keys(keys_of("shade_options"));
+  ShadeOptions options;
+  if (node.has("direction")) options.direction = node["direction"].direction();
+  if (node.has("lines")) options.lines = static_cast<int>(node["lines"].whole(1, kMaxLines));
+  if (node.has("line_width")) {
+    options.line_width = node["line_width"].number();
+    if (!(*options.line_width > 0 && *options.line_width < 1)) node["line_width"].expected("a share of the period between 0 and 1");
+  }
+  if (node.has("range")) {
+    const std::vector<Node> ends = node["range"].items("a list of two numbers");
+    if (ends.size() != 2) node["range"].expected("a list of two numbers");
+    options.range = Range{ends[0].number(), ends[1].number()};
+    if (!(options.range->lo < options.range->hi)) node["range"].fail("the first end of the range must be less than the second");
+    if (!finite(options.range->width())) node["range"].fail("the range is too wide for numbers");
+  }
+  if (node.has("legend")) options.legend = node["legend"].boolean();
+
+  if (const auto option = meaningless_option(options, shade)) {
+    const char* name = keys_of("shade_options")[static_cast<std::size_t>(*option)];
+    node[name].fail(fmt::format("'{}' has no meaning for \"shade\": \"{}\"; it belongs to {}", name,
+                                kShadeNames[static_cast<std::size_t>(shade)], shades_with(*option)));
+  }
+  return options;
+}
+
 SceneEntry scene(const Node& root, const std::filesystem::path& folder) {
   root.check_keys(keys_of("scene"));
   SceneEntry entry;
@@ -205,6 +232,7 @@ SceneEntry scene(const Node& root, const std::filesystem::path& folder) {
   if (root.has("background")) entry.background = background(root["background"]);
   if (root.has("image")) image(root["image"], entry);
   if (root.has("shade")) entry.shade = static_cast<Shade>(root["shade"].word(kShadeNames));
+  if (root.has("shade_options")) entry.shade_options = shade_options(root["shade_options"], entry.shade);
   if (root.has("mesh")) entry.mesh = mesh(root["mesh"]);
   if (root.has("$schema")) static_cast<void>(root["$schema"].text());
   if (root.has("comment")) static_cast<void>(root["comment"].text());
@@ -215,8 +243,8 @@ SceneEntry scene(const Node& root, const std::filesystem::path& folder) {
 
 const std::map<std::string, std::vector<const char*>>& scene_keys() {
   static const std::map<std::string, std::vector<const char*>> keys{
-      {"scene", {"$schema", "comment", "models", "camera", "lights", "background", "image", "shade", "mesh"}},
-      {"model", {"file", "transform", "colour"}},
+      {"scene", {"$schema", "comment", "models", "camera", "lights", "background", "image", "shade", "shade_options", "mesh"}},
+      {"model", {"file", "transform", "colour", "patches"}},
       {"transform", {"translate", "rotate", "scale", "matrix"}},
       {"rotate", {"axis", "degrees"}},
       {"camera", {"type", "view", "look_from", "look_at", "up", "fov", "height"}},
@@ -224,6 +252,7 @@ const std::map<std::string, std::vector<const char*>>& scene_keys() {
       {"sky", {"zenith", "ground", "up"}},
       {"key", {"from", "colour", "strength", "angle"}},
       {"image", {"width", "height", "samples", "seed"}},
+      {"shade_options", {"direction", "lines", "line_width", "range", "legend"}},  // in the order of ShadeOption
       {"mesh", {"tolerance", "flat", "terminator_fix"}}};
   return keys;
 }

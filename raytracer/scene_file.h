@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "patches/control_mesh.h"
 #include "raytracer/json_reader.h"
 #include "raytracer/render.h"
+#include "raytracer/smoothness.h"
 #include "raytracer/tolerance.h"
 #include "raytracer/trace_scene.h"
 
@@ -17,6 +19,7 @@ struct ModelEntry {
   std::string file;  // as it can be opened from the working folder: relative names count from the scene file
   Affine3 to_world;
   std::optional<Colour> colour;
+  std::optional<MeshPatches> patches;  // of the polygons of a control mesh
 };
 
 // A camera is placed by points, or frames the models from a named view.
@@ -53,6 +56,7 @@ struct SceneEntry {
   int samples = 16;
   std::uint64_t seed = 0;
   Shade shade = Shade::clay;
+  ShadeOptions shade_options;       // all of them mean something to the shade
   std::optional<MeshRequest> mesh;  // none: exact surfaces
   std::string hash_text;            // what the scene hash covers beside the model files
 };

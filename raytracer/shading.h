@@ -1,5 +1,5 @@
-// From primary hits to colours. An integrator is handed the primary rays of a batch with their hits and gives radiance; the clay look and
-// the inspection shades are two of them, light transport will be another.
+// From primary hits to colours. An integrator is handed the primary rays of a batch with their hits and gives radiance; the clay look,
+// the inspection shades and those of smoothness (smoothness.h) are three of them, light transport will be another.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,24 @@
 
 namespace iso {
 
-enum class Shade { clay, normals, uv, faces, kinds, curvature, depth, solver };
-inline constexpr std::array<const char*, 8> kShadeNames{"clay", "normals", "uv", "faces", "kinds", "curvature", "depth", "solver"};
+enum class Shade {
+  clay,
+  normals,
+  uv,
+  faces,
+  kinds,
+  curvature,
+  depth,
+  solver,
+  zebra,
+  reflection_lines,
+  isophotes,
+  mean_curvature,
+  gauss_curvature
+};
+inline constexpr std::array<const char*, 13> kShadeNames{
+    "clay",  "normals",          "uv",        "faces",          "kinds",          "curvature", "depth", "solver",
+    "zebra", "reflection-lines", "isophotes", "mean-curvature", "gauss-curvature"};
 std::optional<Shade> shade_named(std::string_view name);
 
 // Primary rays of one batch; the three arrays have equal length.

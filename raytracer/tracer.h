@@ -94,6 +94,10 @@ class Tracer {
   // Of the exact surface at (u, v), in world units, also for a hit on a mesh; NaN at singular points.
   Curvatures curvatures(const Hit& hit) const;
 
+  // How the normal turns on the exact surface at (u, v), also for a hit on a mesh: dn = -S dp in world coordinates; see
+  // iso::shape_operator.
+  Mat3 shape_operator(const Hit& hit) const;
+
   const Face& face(const Hit& hit) const;
 
   // Whether two hits lie on faces that share an edge with a gap, both so near to it that they may be one crossing met twice.

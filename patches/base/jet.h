@@ -19,6 +19,30 @@ struct CurveJet {
   V C{0.0}, Ct{0.0}, Ctt{0.0};
 };
 
+// f, f_u, f_v of a scalar function of (u, v), over doubles or packs of them. Nothing is set by default.
+template <class R>
+struct Dual1 {
+  R f, u, v;
+
+  Dual1() = default;
+  Dual1(double constant) : f(constant), u(0.0), v(0.0) {}
+  Dual1(const R& f_, const R& u_, const R& v_) : f(f_), u(u_), v(v_) {}
+
+  friend Dual1 operator+(const Dual1& a, const Dual1& b) { return {a.f + b.f, a.u + b.u, a.v + b.v}; }
+  friend Dual1 operator-(const Dual1& a, const Dual1& b) { return {a.f - b.f, a.u - b.u, a.v - b.v}; }
+  friend Dual1 operator*(const Dual1& a, const Dual1& b) { return {a.f * b.f, a.u * b.f + a.f * b.u, a.v * b.f + a.f * b.v}; }
+  friend Dual1 operator/(const Dual1& a, const Dual1& b) { return a.over(b, R(1.0) / b.f); }
+  friend Dual1 operator+(const Dual1& a, double b) { return {a.f + R(b), a.u, a.v}; }
+  friend Dual1 operator*(const Dual1& a, double by) { return {a.f * R(by), a.u * R(by), a.v * R(by)}; }
+  friend Dual1 operator*(double by, const Dual1& a) { return a * by; }
+
+  // a / b with the inverse of b.f.
+  Dual1 over(const Dual1& b, const R& inverse) const {
+    const R q = f * inverse;
+    return {q, (u - q * b.u) * inverse, (v - q * b.v) * inverse};
+  }
+};
+
 // f, f_u, f_v, f_uu, f_uv, f_vv of a scalar function of (u, v).
 struct Dual2 {
   double f = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;

@@ -13,9 +13,22 @@ namespace {
 
 constexpr int kDegree = 5;
 
-// Where the cells meet. Toward the corner the blend of two sides changes by the direction alone, whatever the distance: cells halve there.
-constexpr std::array kNodes{0.0, 1.0 / 24, 1.0 / 12, 1.0 / 6, 1.0 / 3, 1.0 / 2, 3.0 / 4, 1.0};
-constexpr int kNodeCount = kNodes.size(), kCells = kNodeCount - 1;
+// Where the cells of level 0 meet. Toward the corner the blend of two sides changes by the direction alone, whatever the distance: cells
+// halve there.
+constexpr std::array kFirstNodes{0.0, 1.0 / 24, 1.0 / 12, 1.0 / 6, 1.0 / 3, 1.0 / 2, 3.0 / 4, 1.0};
+
+std::vector<double> nodes_of(int level) {
+  std::vector<double> nodes(kFirstNodes.begin(), kFirstNodes.end());
+  for (; level > 0; --level) {
+    std::vector<double> finer{0.0, 0.25 * nodes[1]};
+    for (std::size_t k = 1; k < nodes.size(); ++k) {
+      finer.push_back(0.5 * (nodes[k - 1] + nodes[k]));
+      finer.push_back(nodes[k]);
+    }
+    nodes = std::move(finer);
+  }
+  return nodes;
+}
 
 // What the rounding of weights, poles and Taylor coefficients may come to; the weights are of the size of one.
 constexpr double kRounding = 1e-13;
@@ -25,18 +38,6 @@ constexpr int kMostProofLevels = 9;
 
 // Entry (i, j): the derivative i times in s and j times in t at a node.
 using NodeDerivatives = std::array<std::array<double, 3>, 3>;
-
-// Pole p of a node, from the function and its first two derivatives there: the blossoms of the quintic on either side at (left, left, x, x,
-// x), (left, x, x, x, right) and (x, x, x, right, right). At the ends of the knots those of the one side.
-std::array<double, 3> pole_row(int node, int p) {
-  const double x = kNodes[node];
-  const double before = node > 0 ? x - kNodes[node - 1] : 0, after = node < kCells ? kNodes[node + 1] - x : 0;
-  if (node == 0) return {1, p * after / 5, p == 2 ? after * after / 20 : 0};
-  if (node == kCells) return {1, -(2 - p) * before / 5, p == 0 ? before * before / 20 : 0};
-  if (p == 0) return {1, -2 * before / 5, before * before / 20};
-  if (p == 1) return {1, (after - before) / 5, -before * after / 20};
-  return {1, 2 * after / 5, after * after / 20};
-}
 
 // The Bernstein coefficients of a cell between two nodes, from the same.
 struct HermiteRow {
@@ -70,13 +71,16 @@ double combine(const std::array<double, 3>& s, const std::array<double, 3>& t, c
 
 class SplineMaker {
  public:
-  explicit SplineMaker(const PatchBasis& basis) : basis_(basis), points_(point_count(basis)) {}
+  SplineMaker(const PatchBasis& basis, int level)
+      : basis_(basis), points_(point_count(basis)), at_(nodes_of(level)), cells_(static_cast<int>(at_.size()) - 1) {
+    nodes_.resize(at_.size() * at_.size());
+  }
 
   WeightSplines make() {
     WeightSplines out;
     out.pairs = pairs_of(basis_);
-    out.count = 3 * kNodeCount;
-    for (int n = 0; n < kNodeCount; ++n) out.knots.insert(out.knots.end(), n == 0 || n == kCells ? 6 : 3, kNodes[n]);
+    out.count = 3 * (cells_ + 1);
+    for (int n = 0; n <= cells_; ++n) out.knots.insert(out.knots.end(), n == 0 || n == cells_ ? 6 : 3, at_[n]);
     differentiate();
     out.poles.assign(points_, std::vector<double>(static_cast<std::size_t>(out.count) * out.count));
     for (int m = 0; m < points_; ++m)
@@ -84,25 +88,36 @@ class SplineMaker {
         for (int b = 0; b < out.count; ++b)
           out.poles[m][static_cast<std::size_t>(a) * out.count + b] =
               combine(pole_row(a / 3, a % 3), pole_row(b / 3, b % 3), at(a / 3, b / 3)[m]);
-    out.error.assign(points_, 0.0);
-    out.error_of_sum.assign(out.pairs.size(), 0.0);
-    out.error_of_difference.assign(out.pairs.size(), 0.0);
-    for (int i = 0; i < kCells; ++i)
-      for (int j = 0; j < kCells; ++j) prove_cell(i, j, out);
-    for (std::vector<double>* errors : {&out.error, &out.error_of_sum, &out.error_of_difference})
-      for (double& e : *errors) e += kRounding;
+    out.cells = cells_ * cells_;
+    out.error.assign(static_cast<std::size_t>(out.cells) * points_, kRounding);
+    out.error_of_sum.assign(out.cells * out.pairs.size(), kRounding);
+    out.error_of_difference.assign(out.cells * out.pairs.size(), kRounding);
+    for (int i = 0; i < cells_; ++i)
+      for (int j = 0; j < cells_; ++j) prove_cell(i, j, out);
     return out;
   }
 
  private:
-  const std::vector<NodeDerivatives>& at(int a, int b) const { return nodes_[a * kNodeCount + b]; }
+  // Pole p of a node, from the function and its first two derivatives there: the blossoms of the quintic on either side at (left, left, x,
+  // x, x), (left, x, x, x, right) and (x, x, x, right, right). At the ends of the knots those of the one side.
+  std::array<double, 3> pole_row(int node, int p) const {
+    const double x = at_[node];
+    const double before = node > 0 ? x - at_[node - 1] : 0, after = node < cells_ ? at_[node + 1] - x : 0;
+    if (node == 0) return {1, p * after / 5, p == 2 ? after * after / 20 : 0};
+    if (node == cells_) return {1, -(2 - p) * before / 5, p == 0 ? before * before / 20 : 0};
+    if (p == 0) return {1, -2 * before / 5, before * before / 20};
+    if (p == 1) return {1, (after - before) / 5, -before * after / 20};
+    return {1, 2 * after / 5, after * after / 20};
+  }
+
+  const std::vector<NodeDerivatives>& at(int a, int b) const { return nodes_[a * (cells_ + 1) + b]; }
 
   void differentiate() {
     std::vector<Series> W(points_);
-    for (int a = 0; a < kNodeCount; ++a)
-      for (int b = 0; b < kNodeCount; ++b) {
-        patch_weights(basis_, Series(kNodes[a], 1, 0), Series(kNodes[b], 0, 1), W.data());
-        std::vector<NodeDerivatives>& to = nodes_[a * kNodeCount + b];
+    for (int a = 0; a <= cells_; ++a)
+      for (int b = 0; b <= cells_; ++b) {
+        patch_weights(basis_, Series(at_[a], 1, 0), Series(at_[b], 0, 1), W.data());
+        std::vector<NodeDerivatives>& to = nodes_[a * (cells_ + 1) + b];
         to.resize(points_);
         constexpr double kFactorial[] = {1, 1, 2};
         for (int m = 0; m < points_; ++m)
@@ -128,14 +143,14 @@ class SplineMaker {
   // The quintic of a weight over a cell, as powers of its middle's (a, b) over a box of the unit square.
   Taylor quintic(int i, int j, int m, const Box2& box) const {
     constexpr int n = kDegree + 1;
-    const double hs = kNodes[i + 1] - kNodes[i], ht = kNodes[j + 1] - kNodes[j];
+    const double hs = at_[i + 1] - at_[i], ht = at_[j + 1] - at_[j];
     std::array<double, n * n> c;
     for (int k = 0; k < n; ++k)
       for (int l = 0; l < n; ++l) {
         const HermiteRow s = hermite_row(k, hs), t = hermite_row(l, ht);
         c[k * n + l] = combine(s.by, t.by, at(i + s.node, j + t.node)[m]);
       }
-    const Vec2 lo = (box.lo - Vec2(kNodes[i], kNodes[j])) / Vec2(hs, ht), hi = (box.hi - Vec2(kNodes[i], kNodes[j])) / Vec2(hs, ht);
+    const Vec2 lo = (box.lo - Vec2(at_[i], at_[j])) / Vec2(hs, ht), hi = (box.hi - Vec2(at_[i], at_[j])) / Vec2(hs, ht);
     for (int k = 0; k < n; ++k) bernstein_restrict(&c[k], n, kDegree, lo.x, hi.x);
     for (int k = 0; k < n; ++k) bernstein_restrict(&c[k * n], 1, kDegree, lo.y, hi.y);
     // With a in [-1, 1]: sum_k c_k B_k((1 + a) / 2), first in a, then in b.
@@ -165,7 +180,7 @@ class SplineMaker {
     return rows;
   }
 
-  void prove_cell(int i, int j, WeightSplines& out) { prove(i, j, {{kNodes[i], kNodes[j]}, {kNodes[i + 1], kNodes[j + 1]}}, 0, out); }
+  void prove_cell(int i, int j, WeightSplines& out) { prove(i, j, {{at_[i], at_[j]}, {at_[i + 1], at_[j + 1]}}, 0, out); }
 
   void prove(int i, int j, const Box2& box, int level, WeightSplines& out) {
     const Vec2 middle = box.middle(), half = 0.5 * box.size();
@@ -178,13 +193,15 @@ class SplineMaker {
       return;
     }
     const auto include = [](double& worst, const Taylor& e) {
-      if (!(e.magnitude() <= worst)) worst = finite(e.magnitude()) ? e.magnitude() : kInf;
+      const double size = e.magnitude() + kRounding;
+      if (!(size <= worst)) worst = finite(size) ? size : kInf;
     };
-    for (int m = 0; m < points_; ++m) include(out.error[m], difference[m]);
+    const std::size_t cell = static_cast<std::size_t>(i) * cells_ + j, of_points = cell * points_, of_pairs = cell * out.pairs.size();
+    for (int m = 0; m < points_; ++m) include(out.error[of_points + m], difference[m]);
     for (std::size_t p = 0; p < out.pairs.size(); ++p) {
       const Taylor &a = difference[out.pairs[p].first], &b = difference[out.pairs[p].second];
-      include(out.error_of_sum[p], a + b);
-      include(out.error_of_difference[p], 0.5 * (a - b));
+      include(out.error_of_sum[of_pairs + p], a + b);
+      include(out.error_of_difference[of_pairs + p], 0.5 * (a - b));
     }
   }
 
@@ -199,18 +216,26 @@ class SplineMaker {
 
   PatchBasis basis_;
   int points_;
-  std::array<std::vector<NodeDerivatives>, kNodeCount * kNodeCount> nodes_;
+  std::vector<double> at_;  // where the cells meet
+  int cells_;
+  std::vector<std::vector<NodeDerivatives>> nodes_;
 };
 
 }  // namespace
 
-std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis) {
+std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis, int level) {
+  struct Made {
+    PatchBasis basis;
+    int level;
+    std::shared_ptr<const WeightSplines> splines;
+  };
   static std::mutex mutex;
-  static std::vector<std::pair<PatchBasis, std::shared_ptr<const WeightSplines>>> made;
+  static std::vector<Made> made;
   const std::lock_guard lock(mutex);
-  for (const auto& [of, splines] : made)
-    if (of == basis) return splines;
-  return made.emplace_back(basis, std::make_shared<const WeightSplines>(SplineMaker(basis).make())).second;
+  for (const Made& m : made)
+    if (m.basis == basis && m.level == level) return m.splines;
+  made.push_back({basis, level, std::make_shared<const WeightSplines>(SplineMaker(basis, level).make())});
+  return made.back().splines;
 }
 
 }  // namespace iso

@@ -17,13 +17,18 @@ struct WeightSplines {
   std::vector<double> knots;               // the same in s and t; degree 5, inner knots three times
   int count = 0;                           // poles in s, and in t
   std::vector<std::vector<double>> poles;  // per control point, count * count, t fastest
-  // Bounds, for |W_m - spline|: of all points alone; of the pairs by sum and half difference.
+  // Bounds of |W_m - spline| over each of `cells` cells, one cell after the other: of all points alone; of the pairs by sum and half
+  // difference, since pairs lie close to each other and their errors all but cancel.
+  int cells = 0;
   std::vector<double> error;
-  std::vector<std::pair<int, int>> pairs;  // inner points of a corner, close to each other: their errors all but cancel
+  std::vector<std::pair<int, int>> pairs;
   std::vector<double> error_of_sum, error_of_difference;
 };
 
-// Made once per basis, kept while the program runs; safe from all threads.
-std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis);
+// Each level halves the cells of the one before, the first of a row twice: a fourth of the distance or less each time.
+inline constexpr int kSplineLevels = 4;
+
+// Made once per basis and level, kept while the program runs; safe from all threads.
+std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis, int level);
 
 }  // namespace iso

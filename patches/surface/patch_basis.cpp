@@ -177,6 +177,36 @@ Vec2 domain_corner(int sides, int k) {
   return {std::cos(angle), std::sin(angle)};
 }
 
+namespace {
+
+DomainRates make_rates(int sides) {
+  const auto middle = [&](int side) { return 0.5 * (domain_corner(sides, side - 1) + domain_corner(sides, side)); };
+  const Vec2 v0 = domain_corner(sides, 0);
+  DomainRates rates;
+  rates.along_s = middle(1) - v0;
+  rates.along_t = middle(0) - v0;
+  rates.across = -v0 - rates.along_s - rates.along_t;
+  for (int k = 0; k < sides; ++k) {
+    const Vec2 a = domain_corner(sides, k - 1), b = domain_corner(sides, k), u = (b - a) / glm::length(b - a);
+    const auto inward = [&](const Vec2& d) { return u.x * d.y - u.y * d.x; };
+    rates.side[k] = {k < 2 ? 0.0 : inward(v0 - a), k == 1 ? 0.0 : inward(rates.along_s), k == 0 ? 0.0 : inward(rates.along_t),
+                     inward(rates.across)};
+    rates.corner[k] = b - v0;
+  }
+  return rates;
+}
+
+}  // namespace
+
+const DomainRates& domain_rates(int sides) {
+  static const std::array<DomainRates, kMostSides + 1> kRates = [] {
+    std::array<DomainRates, kMostSides + 1> all;
+    for (int n = 3; n <= kMostSides; ++n) all[n] = make_rates(n);
+    return all;
+  }();
+  return kRates[sides];
+}
+
 Vec2 domain_point(int sides, const Vec2& st) {
   const Vec2 v0 = domain_corner(sides, 0);
   const Vec2 next = 0.5 * (v0 + domain_corner(sides, 1)), back = 0.5 * (v0 + domain_corner(sides, -1));

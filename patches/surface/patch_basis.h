@@ -10,6 +10,7 @@
 // others follow by turning the control points, since every kind treats its sides alike.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -72,5 +73,18 @@ void weights_at(const PatchBasis& basis, const Vec2& st, std::span<Dual2> W);
 // origin, corner 0 at (1, 0).
 Vec2 domain_corner(int sides, int k);
 Vec2 domain_point(int sides, const Vec2& st);
+
+// The same as linear forms: x - v_0 = along_s s + along_t t + across s t, the distance from side k inward (0 and 1 meet in the corner), and
+// v_k - v_0.
+struct DomainRates {
+  struct Side {
+    double at_corner = 0, by_s = 0, by_t = 0, by_st = 0;
+  };
+  Vec2 along_s{0.0}, along_t{0.0}, across{0.0};
+  std::array<Side, kMostSides> side;
+  std::array<Vec2, kMostSides> corner;
+};
+// Made once; sides at most kMostSides.
+const DomainRates& domain_rates(int sides);
 
 }  // namespace iso

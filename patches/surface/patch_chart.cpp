@@ -88,22 +88,33 @@ NurbsSurface spline_of(const PatchChart& chart, const WeightSplines& splines) {
   return out;
 }
 
-// Relative to the corner, since the weights sum to one; pairs by their middle and half of what they differ by.
+// About the middle of the points, since the weights sum to one; pairs by their middle and half of what they differ by. The worst cell.
 double distance_from_spline(const PatchChart& chart, const WeightSplines& splines) {
+  const std::size_t count = chart.points.size(), pairs = splines.pairs.size();
   Vec3 about{0.0};
-  for (const Vec3& p : chart.points) about += p / static_cast<double>(chart.points.size());
-  std::vector<double> size(chart.points.size());
-  for (std::size_t m = 0; m < size.size(); ++m) size[m] = glm::length(chart.points[m] - about);
-  double error = 0;
-  for (std::size_t p = 0; p < splines.pairs.size(); ++p) {
-    const auto [a, b] = splines.pairs[p];
-    const Vec3 &x = chart.points[static_cast<std::size_t>(a)], &y = chart.points[static_cast<std::size_t>(b)];
-    error += glm::length(0.5 * (x + y) - about) * splines.error_of_sum[p] + glm::length(x - y) * splines.error_of_difference[p];
-    size[static_cast<std::size_t>(a)] = size[static_cast<std::size_t>(b)] = 0;
+  for (const Vec3& p : chart.points) about += p / static_cast<double>(count);
+  std::vector<double> size(count), middle(pairs), apart(pairs);
+  for (std::size_t m = 0; m < count; ++m) size[m] = glm::length(chart.points[m] - about);
+  for (std::size_t p = 0; p < pairs; ++p) {
+    const auto a = static_cast<std::size_t>(splines.pairs[p].first), b = static_cast<std::size_t>(splines.pairs[p].second);
+    middle[p] = glm::length(0.5 * (chart.points[a] + chart.points[b]) - about);
+    apart[p] = glm::length(chart.points[a] - chart.points[b]);
+    size[a] = size[b] = 0;
   }
-  for (std::size_t m = 0; m < size.size(); ++m) error += size[m] * splines.error[m];
-  return error;
+  double worst = 0;
+  for (std::size_t cell = 0; cell < static_cast<std::size_t>(splines.cells); ++cell) {
+    double error = 0;
+    for (std::size_t m = 0; m < count; ++m)
+      if (size[m] > 0) error += size[m] * splines.error[cell * count + m];
+    for (std::size_t p = 0; p < pairs; ++p)
+      error += middle[p] * splines.error_of_sum[cell * pairs + p] + apart[p] * splines.error_of_difference[cell * pairs + p];
+    worst = std::max(worst, error);
+  }
+  return worst;
 }
+
+// What the spline that rays are sorted by may be off, as a share of the chart's control points' extent: far below a pixel.
+constexpr double kMostError = 3e-5;
 
 }  // namespace
 
@@ -137,10 +148,21 @@ PatchChart chart_of(const NSidedPatch& patch, int corner) {
     chart.near = std::make_shared<const NurbsSurface>(tensor_of_triangle(chart));
     return chart;
   }
-  const std::shared_ptr<const WeightSplines> splines = weight_splines(patch.basis);
-  chart.near = std::make_shared<const NurbsSurface>(spline_of(chart, *splines));
-  chart.error = distance_from_spline(chart, *splines);
+  Box3 box;
+  for (const Vec3& p : chart.points) box.include(p);
+  ChartSpline spline = spline_beside(chart, kMostError * box.diagonal());
+  chart.near = std::move(spline.near);
+  chart.error = spline.error;
   return chart;
+}
+
+ChartSpline spline_beside(const PatchChart& chart, double most) {
+  if (chart.basis.kind == PatchKind::bezier_triangle || (chart.near && chart.error <= most)) return {chart.near, chart.error};
+  for (int level = 0;; ++level) {
+    const std::shared_ptr<const WeightSplines> splines = weight_splines(chart.basis, level);
+    const double error = distance_from_spline(chart, *splines);
+    if (error <= most || level + 1 == kSplineLevels) return {std::make_shared<const NurbsSurface>(spline_of(chart, *splines)), error};
+  }
 }
 
 Point3 point_of(const PatchChart& chart, const Vec2& st) {
@@ -176,8 +198,20 @@ Jet2 jet_of(const PatchChart& chart, const Vec2& st) {
 }
 
 Tangents tangents_of(const PatchChart& chart, const Vec2& st) {
-  const Jet2 jet = jet_of(chart, st);
-  return {jet.S, jet.Su, jet.Sv};
+  if (chart.error == 0 || (st == Vec2(0.0) && chart.basis.parameters == SideParameters::mean_value)) {
+    const Jet2 jet = jet_of(chart, st);
+    return {jet.S, jet.Su, jet.Sv};
+  }
+  thread_local std::vector<Dual1<double>> W;
+  W.resize(chart.points.size());
+  patch_weights<Dual1<double>>(chart.basis, {st.x, 1.0, 0.0}, {st.y, 0.0, 1.0}, W.data());
+  Tangents at;
+  for (std::size_t m = 0; m < W.size(); ++m) {
+    at.S += W[m].f * chart.points[m];
+    at.Ss += W[m].u * chart.points[m];
+    at.St += W[m].v * chart.points[m];
+  }
+  return at;
 }
 
 void translate(PatchChart& chart, const Vec3& by) {

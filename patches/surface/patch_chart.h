@@ -36,6 +36,13 @@ struct PatchChart {
 // The chart of a corner, 0 <= corner < sides.
 PatchChart chart_of(const NSidedPatch& patch, int corner);
 
+// A spline beside a chart at most this far from it, if there is one: the coarsest, or the finest that is made.
+struct ChartSpline {
+  std::shared_ptr<const NurbsSurface> near;
+  double error = 0;
+};
+ChartSpline spline_beside(const PatchChart& chart, double most);
+
 // See surface.h. A little beyond [0, 1]^2 the formulas continue.
 Point3 point_of(const PatchChart& chart, const Vec2& st);
 Jet2 jet_of(const PatchChart& chart, const Vec2& st);

@@ -1,5 +1,7 @@
 #include "patches/surface/surface.h"
 
+#include <glm/matrix.hpp>
+
 #include "patches/base/bspline_basis.h"
 #include "patches/base/interval.h"
 #include "patches/curve/bspline_tools.h"
@@ -422,14 +424,28 @@ Vec3 unit_normal(const AnySurface& surface, UV uv, const Box2& domain) {
   return Vec3(0.0);
 }
 
+// Su and Sv whose squared sine is smaller span no plane: 1e-10 radians, where rounding has taken what curvature needs.
+constexpr double kNoPlane = 1e-20;
+
 Curvatures principal_curvatures(const Jet2& j, const Vec3& n) {
   const double E = glm::dot(j.Su, j.Su), F = glm::dot(j.Su, j.Sv), G = glm::dot(j.Sv, j.Sv);
   const double L = glm::dot(j.Suu, n), M = glm::dot(j.Suv, n), N = glm::dot(j.Svv, n);
   const double det = E * G - F * F;
-  if (!(det > 1e-20 * E * G)) return {std::nan(""), std::nan("")};
+  if (!(det > kNoPlane * E * G)) return {std::nan(""), std::nan("")};
   const double mean = 0.5 * (E * N - 2 * F * M + G * L) / det, gauss = (L * N - M * M) / det;
   const double root = std::sqrt(std::max(0.0, mean * mean - gauss));
   return {mean + root, mean - root};
+}
+
+Mat3 shape_operator(const Jet2& j, const Vec3& n) {
+  const double E = glm::dot(j.Su, j.Su), F = glm::dot(j.Su, j.Sv), G = glm::dot(j.Sv, j.Sv);
+  const double det = E * G - F * F;
+  if (!(det > kNoPlane * E * G)) return Mat3(std::nan(""));
+  // The second fundamental form on the dual basis: a step dp is du = gu . dp and dv = gv . dp.
+  const Vec3 gu = (G * j.Su - F * j.Sv) / det, gv = (E * j.Sv - F * j.Su) / det;
+  const double L = glm::dot(j.Suu, n), M = glm::dot(j.Suv, n), N = glm::dot(j.Svv, n);
+  const Vec3 lu = L * gu + M * gv, lv = M * gu + N * gv;
+  return glm::outerProduct(lu, gu) + glm::outerProduct(lv, gv);
 }
 
 }  // namespace iso

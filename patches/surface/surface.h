@@ -103,6 +103,10 @@ struct Curvatures {
 };
 Curvatures principal_curvatures(const Jet2& jet, const Vec3& normal);
 
+// The shape operator, extended to space: dn = -S dp for a step dp along the surface, S n = 0. Symmetric; along the surface its eigenvalues
+// are the principal curvatures. NaN at singular points.  [do Carmo 1976, 3-3]
+Mat3 shape_operator(const Jet2& jet, const Vec3& normal);
+
 // Whether `bounds` is one interval evaluation (plane, cylinder, cone, sphere, torus) rather than the hull of all Bezier pieces.
 bool has_closed_form_bounds(const AnySurface& surface);
 

@@ -220,18 +220,22 @@ Result<Golden> read_golden(const GoldenPlace& place) {
 }
 
 Result<std::vector<Image>> render_scene_pictures(const std::string& scene_file, const std::vector<GoldenPicture>& wanted) {
-  const auto scene = read_scene(scene_file);
+  auto scene = read_scene(scene_file);
   if (!scene) return scene.error();
   auto loaded = load_models(scene->models, scene->hash_text);
   if (!loaded) return loaded.error();
   const Tracer tracer(std::move(loaded->scene));
   std::vector<Image> pictures;
   for (const GoldenPicture& w : wanted) {
+    scene->size = w.size;
+    scene->samples = w.samples;
+    scene->seed = w.seed;
     const Camera camera = camera_for(scene->camera, tracer, w.size);
     const Sampler sampler(w.seed, w.samples);
-    const RenderSettings settings{w.size, w.samples, w.seed, kAovNone, scene->background.value_or(Background{})};
+    const SceneLook look = look_for(*scene, tracer, camera, sampler, loaded->unit);
     const std::atomic<bool> stop = false;
-    RenderResult result = render(tracer, camera, integrator_for(*scene, tracer, camera, sampler), sampler, settings, stop, [](int, int) {});
+    RenderResult result = render(tracer, camera, look.integrator, sampler, settings_for(*scene, kAovNone), stop, [](int, int) {});
+    if (look.legend) draw_legend(*look.legend, result.film);
     pictures.push_back({w.size.width, w.size.height, true, std::move(result.film.rgba)});
   }
   return pictures;

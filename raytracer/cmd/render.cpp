@@ -74,21 +74,23 @@ Exit render_scene(const RenderOptions& options, const SceneEntry& scene, LoadedM
   const Tracer tracer(std::move(loaded.scene));
   const Camera camera = camera_for(scene.camera, tracer, scene.size);
   const Sampler sampler(scene.seed, scene.samples);
-  const Integrator integrator = integrator_for(scene, tracer, camera, sampler);
+  const SceneLook look = look_for(scene, tracer, camera, sampler, loaded.unit);
 
   // From here on an interrupt ends with a picture of what is done.
   const InterruptGuard interrupt;
   Progress progress(options.quiet ? "none" : options.progress);
   const auto begin = std::chrono::steady_clock::now();
-  const RenderResult result =
-      render(tracer, camera, integrator, sampler, settings, interrupt.flag(), [&](int done, int all) { progress.update(done, all); });
+  RenderResult result =
+      render(tracer, camera, look.integrator, sampler, settings, interrupt.flag(), [&](int done, int all) { progress.update(done, all); });
   const double seconds = std::max(seconds_since(begin), 1e-9);
   progress.finish();
+  if (look.legend) draw_legend(*look.legend, result.film);
 
   ImageInfo info = info_for(scene, loaded, camera, tracer);
   info.complete = result.complete();
   if (mesh) info.mode = "tessellated";
   if (mesh) info.comments = mesh_comment(*mesh, *scene.mesh);
+  if (look.scale) info.comments += fmt::format(" Colours from {:g} to {:g}.", look.scale->range.lo, look.scale->range.hi);
   const auto bytes = encode_exr(result.film, info, threads);
   if (!bytes) return fail(bytes.error());
   if (const auto written = write_whole_file(options.output, *bytes); !written) return fail(written.error());
@@ -114,7 +116,7 @@ Exit render_command(const RenderOptions& options) {
   if (!options.quiet)
     for (const std::string& note : loaded->notes) fmt::print(stderr, "isophote: {}\n", note);
 
-  const RenderSettings settings{scene->size, scene->samples, scene->seed, *aovs, scene->background.value_or(Background{})};
+  const RenderSettings settings = settings_for(*scene, *aovs);
   if (!scene->mesh) return render_scene(options, *scene, *loaded, nullptr, settings, threads);
   Progress progress(options.quiet ? "none" : options.progress, "steps");
   const auto mesh = tessellate_scene(*loaded, *scene->mesh, [&](int done, int all) { progress.update(done, all); });

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 namespace iso {
@@ -12,10 +13,10 @@ Error bad_option(const std::string& message) { return {Exit::bad_command_line, {
 
 std::set<std::string> names(const auto& list) { return {list.begin(), list.end()}; }
 
-bool is_scene_file(const std::string& path) {
+bool has_ending(const std::string& path, const char* wanted) {
   std::string ending = std::filesystem::path(path).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending == ".json";
+  return ending == wanted;
 }
 
 // "1280x960".
@@ -75,16 +76,101 @@ Status apply_mesh_options(const RenderOptions& options, std::optional<MeshReques
   return Done{};
 }
 
+// "x,y,z": as many finite numbers as wanted, with commas between.
+std::optional<std::vector<double>> numbers_named(const std::string& text, std::size_t count) {
+  std::vector<double> numbers;
+  const char *at = text.data(), *const end = at + text.size();
+  while (numbers.size() < count) {
+    double value = 0;
+    const auto [next, code] = std::from_chars(at, end, value);
+    if (code != std::errc{} || !std::isfinite(value)) return {};
+    numbers.push_back(value);
+    at = next;
+    if (numbers.size() < count && (at == end || *at++ != ',')) return {};
+  }
+  return at == end ? std::optional(numbers) : std::nullopt;
+}
+
+Result<Vec3> direction_named(const std::string& text) {
+  const auto numbers = numbers_named(text, 3);
+  const Vec3 v = numbers ? Vec3{(*numbers)[0], (*numbers)[1], (*numbers)[2]} : Vec3(0.0);
+  // Scaled first, so that neither large nor small numbers leave the range of doubles.
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (!(largest > 0)) return bad_option(fmt::format("--direction: found '{}', expected X,Y,Z: three numbers, not all of them 0", text));
+  return glm::normalize(v / largest);
+}
+
+Result<Range> range_named(const std::string& text) {
+  const auto ends = numbers_named(text, 2);
+  if (!ends || !((*ends)[0] < (*ends)[1]) || !std::isfinite((*ends)[1] - (*ends)[0]))
+    return bad_option(fmt::format("--range: found '{}', expected LO,HI: two numbers, the first less than the second", text));
+  return Range{(*ends)[0], (*ends)[1]};
+}
+
+// What is given wins over the scene's; the scene's options go with the scene's shade.
+Status apply_shade_options(const RenderOptions& options, SceneEntry& scene) {
+  if (options.shade) {
+    const Shade shade = *shade_named(*options.shade);
+    if (shade != scene.shade) scene.shade_options = {};
+    scene.shade = shade;
+  }
+  ShadeOptions& shown = scene.shade_options;
+  if (options.direction) {
+    const auto direction = direction_named(*options.direction);
+    if (!direction) return direction.error();
+    shown.direction = *direction;
+  }
+  if (options.lines) shown.lines = options.lines;
+  if (options.line_width) {
+    const auto width = numbers_named(*options.line_width, 1);
+    if (!width || !(width->front() > 0 && width->front() < 1))
+      return bad_option(fmt::format("--line-width: found '{}', expected a share of the period between 0 and 1", *options.line_width));
+    shown.line_width = width->front();
+  }
+  if (options.range) {
+    const auto range = range_named(*options.range);
+    if (!range) return range.error();
+    shown.range = *range;
+  }
+  if (options.no_legend) shown.legend = false;
+
+  constexpr std::array kNames{"--direction", "--lines", "--line-width", "--range", "--no-legend"};  // in the order of ShadeOption
+  if (const auto option = meaningless_option(shown, scene.shade))
+    return bad_option(fmt::format("{} has no meaning for --shade {}; it belongs to {}", kNames[static_cast<std::size_t>(*option)],
+                                  kShadeNames[static_cast<std::size_t>(scene.shade)], shades_with(*option)));
+  return Done{};
+}
+
+void declare_shade_options(CLI::App& command, RenderOptions& options) {
+  command
+      .add_option(
+          "--shade", options.shade,
+          "clay normals uv faces kinds curvature depth solver zebra reflection-lines isophotes mean-curvature gauss-curvature [clay]")
+      ->check(CLI::IsMember(names(kShadeNames)));
+  command.add_option("--direction", options.direction,
+                     "X,Y,Z: zebra: that the bands lie about; reflection-lines: of the lines; isophotes: to compare normals with [as the "
+                     "camera stands]");
+  command
+      .add_option("--lines", options.lines,
+                  "zebra: bands to half a turn [12]; reflection-lines: lines all round [36]; isophotes: bands for cosines 0 to 1 [12]")
+      ->check(CLI::Range(1, kMaxLines));
+  command.add_option("--line-width", options.line_width, "of their period: 0 to 1 [0.5; reflection-lines 0.25]");
+  command.add_option("--range", options.range,
+                     "LO,HI: mean-curvature, gauss-curvature: ends of the colours, per (square) unit of the model [fitting the view]");
+  command.add_flag("--no-legend", options.no_legend, "mean-curvature, gauss-curvature: no bar with numbers in the picture");
+}
+
 }  // namespace
 
 std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command) {
   auto options = std::make_shared<RenderOptions>();
-  command.add_option("INPUT", options->input, "scene file (.json) or a model: STEP, IGES, BREP, OBJ, BPT")->required();
+  command.add_option("INPUT", options->input, "scene file (.json) or a model: STEP, IGES, BREP, OBJ, BPT, IPATCH, GBP, LOP, MP")
+      ->required();
+  declare_patches_option(command, options->patches);
   command.add_option("-o,--output", options->output, "OpenEXR file to write")->required();
   command.add_option("--view", options->view, "frame the models from: iso front back left right top bottom (z is up)")
       ->check(CLI::IsMember(names(kViewNames)));
-  command.add_option("--shade", options->shade, "clay normals uv faces kinds curvature depth solver [clay]")
-      ->check(CLI::IsMember(names(kShadeNames)));
+  declare_shade_options(command, *options);
   command.add_option("--size", options->size, "WIDTHxHEIGHT in pixels [1280x960]");
   command.add_option("--samples", options->samples, "rays per pixel [16]")->check(CLI::Range(1, kMaxSamples));
   command.add_flag("--ortho", options->orthographic, "orthographic camera");
@@ -111,17 +197,20 @@ std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command) {
 Result<SceneEntry> scene_for(const RenderOptions& options) {
   // A bare model is a scene with default camera and lights, before a light sky.
   SceneEntry scene;
-  if (is_scene_file(options.input)) {
+  if (has_ending(options.input, ".json")) {
     auto read = read_scene(options.input);
     if (!read) return read.error();
     scene = std::move(*read);
+    for (ModelEntry& entry : scene.models)
+      if (options.patches.name && has_ending(entry.file, ".obj")) entry.patches = options.patches.kind();
   } else {
-    scene.models.push_back({options.input, {}, {}});
+    scene.models.push_back({options.input, {}, {}, options.patches.kind()});
     scene.background = Background{BackgroundKind::sky, {}};
   }
 
   if (const auto applied = apply_camera_options(options, scene.camera); !applied) return applied.error();
   if (const auto applied = apply_mesh_options(options, scene.mesh); !applied) return applied.error();
+  if (const auto applied = apply_shade_options(options, scene); !applied) return applied.error();
   if (options.size) {
     const auto size = size_named(*options.size);
     if (!size)
@@ -134,7 +223,6 @@ Result<SceneEntry> scene_for(const RenderOptions& options) {
     if (!scene.background)
       return bad_option(fmt::format("--background: found '{}', expected transparent, sky or #rrggbb", *options.background));
   }
-  if (options.shade) scene.shade = *shade_named(*options.shade);
   if (options.samples) scene.samples = *options.samples;
   if (options.seed) scene.seed = *options.seed;
   return scene;

@@ -3,6 +3,16 @@
 #include "raytracer/framing.h"
 
 namespace iso {
+namespace {
+
+// "mean curvature 1/mm".
+std::string legend_title(Shade shade, const std::string& unit) {
+  const bool mean = shade == Shade::mean_curvature;
+  const std::string title = mean ? "mean curvature" : "gauss curvature";
+  return unit.empty() ? title : title + " 1/" + unit + (mean ? "" : "^2");
+}
+
+}  // namespace
 
 Camera camera_for(const CameraEntry& entry, const Tracer& tracer, const ImageSize& size) {
   const Projection projection = entry.projection.value_or(Projection::perspective);
@@ -22,9 +32,27 @@ Lights lights_for(const LightsEntry& entry, const Camera& camera) {
   return lights;
 }
 
-Integrator integrator_for(const SceneEntry& scene, const Tracer& tracer, const Camera& camera, const Sampler& sampler) {
-  if (scene.shade == Shade::clay) return clay(tracer, lights_for(scene.lights, camera), sampler);
-  return inspection(tracer, scene.shade, {-camera.back, camera.position, depth_range(camera, tracer.scene().box())});
+RenderSettings settings_for(const SceneEntry& scene, unsigned aovs) {
+  const double spread = has_stripes(scene.shade) ? stripe_spread(scene.samples) : 1;
+  return {scene.size, scene.samples, scene.seed, aovs, scene.background.value_or(Background{}), spread};
+}
+
+SceneLook look_for(const SceneEntry& scene, const Tracer& tracer, const Camera& camera, const Sampler& sampler, const std::string& unit) {
+  const ShadeOptions& options = scene.shade_options;
+  if (scene.shade == Shade::clay) return {.integrator = clay(tracer, lights_for(scene.lights, camera), sampler), .scale = {}, .legend = {}};
+  if (has_stripes(scene.shade))
+    return {.integrator = stripes(tracer, stripes_for(scene.shade, options, camera), {camera, scene.size, scene.samples}),
+            .scale = {},
+            .legend = {}};
+  if (has_scale(scene.shade)) {
+    const ColourScale scale{options.range ? *options.range : automatic_range(tracer, camera, scene.size, scene.shade)};
+    SceneLook look{.integrator = curvature_map(tracer, scene.shade, scale), .scale = scale, .legend = {}};
+    if (options.legend.value_or(true)) look.legend = Legend{legend_title(scene.shade, unit), scale};
+    return look;
+  }
+  return {.integrator = inspection(tracer, scene.shade, {-camera.back, camera.position, depth_range(camera, tracer.scene().box())}),
+          .scale = {},
+          .legend = {}};
 }
 
 }  // namespace iso

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "raytracer/camera.h"
+#include "raytracer/legend.h"
 #include "raytracer/scene_file.h"
 #include "raytracer/shading.h"
 #include "raytracer/tracer.h"
@@ -13,7 +14,15 @@ Camera camera_for(const CameraEntry& entry, const Tracer& tracer, const ImageSiz
 // Those that are not given go with the camera.
 Lights lights_for(const LightsEntry& entry, const Camera& camera);
 
-// What makes the scene's colours. The arguments have to live as long as it does.
-Integrator integrator_for(const SceneEntry& scene, const Tracer& tracer, const Camera& camera, const Sampler& sampler);
+RenderSettings settings_for(const SceneEntry& scene, unsigned aovs);
+
+// What makes the scene's colours, and the legend to be drawn into the picture. The arguments have to live as long as the integrator does.
+struct SceneLook {
+  Integrator integrator;
+  std::optional<ColourScale> scale;
+  std::optional<Legend> legend;
+};
+// `unit`: of the coordinates, empty if unknown.
+SceneLook look_for(const SceneEntry& scene, const Tracer& tracer, const Camera& camera, const Sampler& sampler, const std::string& unit);
 
 }  // namespace iso

@@ -43,32 +43,47 @@ inline Dual2 share(const Dual2& a, const Dual2& b) {
   return sum.f != 0 ? a / sum : Dual2(0.5);
 }
 
+// Of first derivatives: `inverse_or_zero` takes zero to zero, so that nothing is left of what has no limit.
+inline double inverse_or_zero(double x) { return x != 0 ? 1 / x : 0.0; }
+template <class R>
+Dual1<R> blend(const Dual1<R>& a, const Dual1<R>& b, const Dual1<R>& X, const Dual1<R>& Y) {
+  const Dual1<R> sum = a + b;
+  return 0.5 * (X + Y) + (0.5 * (a - b)).over(sum, inverse_or_zero(sum.f)) * (X - Y);
+}
+template <class R>
+Dual1<R> share(const Dual1<R>& a, const Dual1<R>& b) {
+  const Dual1<R> sum = a + b;
+  return (0.5 * (a - b)).over(sum, inverse_or_zero(sum.f)) + 0.5;
+}
+template <class R>
+Dual1<R> sqrt(const Dual1<R>& a) {
+  using std::sqrt;
+  const R root = sqrt(a.f), half = R(0.5) / root;
+  return {root, half * a.u, half * a.v};
+}
+
 // A point of the domain as formulas want it, from the chart of corner 0. What vanishes at the corner has no constant term, bit for bit.
 template <class T>
 struct DomainPoint {
   int sides;
-  std::array<T, kMostSides> distance;               // from side k, inward; [0] and [1] vanish at the corner
-  std::array<std::array<T, 2>, kMostSides> corner;  // v_k - x; [0] vanishes at the corner
+  std::array<T, kMostSides> distance;  // from side k, inward; [0] and [1] vanish at the corner
+  std::array<T, 2> from_corner;        // x - v_0
+
+  // Coordinate c of v_k - x.
+  T to_corner(int k, int c) const { return k == 0 ? from_corner[c] * -1.0 : from_corner[c] * -1.0 + domain_rates(sides).corner[k][c]; }
 };
 
 template <class T>
 DomainPoint<T> domain_point_in(int sides, const T& s, const T& t) {
-  const auto middle = [&](int side) { return 0.5 * (domain_corner(sides, side - 1) + domain_corner(sides, side)); };
-  const Vec2 v0 = domain_corner(sides, 0), along_s = middle(1) - v0, along_t = middle(0) - v0, across = -v0 - along_s - along_t;
+  const DomainRates& rates = domain_rates(sides);
   const T st = s * t;
-  DomainPoint<T> x{.sides = sides, .distance = {}, .corner = {}};
-  std::array<T, 2> from_corner;
-  for (int c = 0; c < 2; ++c) from_corner[c] = s * along_s[c] + t * along_t[c] + st * across[c];
+  DomainPoint<T> x;
+  x.sides = sides;
+  for (int c = 0; c < 2; ++c) x.from_corner[c] = s * rates.along_s[c] + t * rates.along_t[c] + st * rates.across[c];
   for (int k = 0; k < sides; ++k) {
-    const Vec2 a = domain_corner(sides, k - 1), b = domain_corner(sides, k), u = (b - a) / glm::length(b - a);
-    // (p - a) x u is the distance on the right; inward is the left.
-    const auto inward = [&](const Vec2& d) { return u.x * d.y - u.y * d.x; };
-    const double at_corner = k < 2 ? 0.0 : inward(v0 - a);
-    const double rate_s = k == 1 ? 0.0 : inward(along_s), rate_t = k == 0 ? 0.0 : inward(along_t);
-    x.distance[k] = s * rate_s + t * rate_t + st * inward(across);
-    if (at_corner != 0) x.distance[k] = x.distance[k] + at_corner;
-    const Vec2 to = b - v0;
-    for (int c = 0; c < 2; ++c) x.corner[k][c] = k == 0 ? from_corner[c] * -1.0 : from_corner[c] * -1.0 + to[c];
+    const DomainRates::Side& side = rates.side[k];
+    x.distance[k] = s * side.by_s + t * side.by_t + st * side.by_st;
+    if (k > 1) x.distance[k] = x.distance[k] + side.at_corner;
   }
   return x;
 }

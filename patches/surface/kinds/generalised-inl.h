@@ -18,11 +18,11 @@ namespace iso {
 inline constexpr int kMostRibbonDegree = 15;
 
 // The Bernstein polynomials of all sides: along[k][j] B_j(s_k), inward[k][r] B_r(h_k).
-template <class T>
+template <class T, int kMost>
 struct RibbonWeights {
   int sides, degree;
   SideValues<T> at;
-  std::array<std::array<T, kMostRibbonDegree + 1>, kMostSides> along, inward;
+  std::array<std::array<T, kMost + 1>, kMostSides> along, inward;
 
   RibbonWeights(int degree_, const DomainPoint<T>& x, SideParameters parameters)
       : sides(x.sides), degree(degree_), at(side_values(x, parameters)) {
@@ -63,7 +63,7 @@ struct RibbonWeights {
 // Generalised Gregory, degree 3: five points a corner as in gregory-inl.h, and the central point last.
 template <class T>
 void generalised_gregory_weights(const DomainPoint<T>& x, SideParameters parameters, T* W) {
-  const RibbonWeights<T> ribbon(3, x, parameters);
+  const RibbonWeights<T, 3> ribbon(3, x, parameters);
   const T none(0.0);
   T rest(1.0);
   for (int k = 0; k < x.sides; ++k) {
@@ -89,9 +89,9 @@ inline int ribbon_index(int sides, int degree, int side, int j, int r) {
 }
 
 // The blends: where both indices are below 2 by the distances; on the diagonals beyond, halves; between the diagonals the ribbon's own.
-template <class T>
-void generalised_bezier_weights(int degree, const DomainPoint<T>& x, SideParameters parameters, T* W) {
-  const RibbonWeights<T> ribbon(degree, x, parameters);
+template <int kMost, class T>
+void generalised_bezier_weights_to(int degree, const DomainPoint<T>& x, SideParameters parameters, T* W) {
+  const RibbonWeights<T, kMost> ribbon(degree, x, parameters);
   const int n = x.sides, d = degree;
   T rest(1.0);
   for (int k = 0; k < n; ++k) {
@@ -115,6 +115,12 @@ void generalised_bezier_weights(int degree, const DomainPoint<T>& x, SideParamet
     }
   }
   W[0] = rest;
+}
+
+template <class T>
+void generalised_bezier_weights(int degree, const DomainPoint<T>& x, SideParameters parameters, T* W) {
+  if (degree <= 5) return generalised_bezier_weights_to<5>(degree, x, parameters, W);
+  generalised_bezier_weights_to<kMostRibbonDegree>(degree, x, parameters, W);
 }
 
 }  // namespace iso

@@ -36,11 +36,14 @@ template <class T>
 std::array<T, kMostSides> mean_value_factors(const DomainPoint<T>& x) {
   using std::sqrt;
   const int n = x.sides;
-  std::array<T, kMostSides> length, tangent;  // tangent[k]: of side k, times d_k, the same for all sides but for a factor
-  for (int k = 0; k < n; ++k) length[k] = sqrt(x.corner[k][0] * x.corner[k][0] + x.corner[k][1] * x.corner[k][1]);
+  std::array<T, kMostSides> length, tangent;        // tangent[k]: of side k, times d_k, the same for all sides but for a factor
+  std::array<std::array<T, 2>, kMostSides> corner;  // v_k - x
+  for (int k = 0; k < n; ++k)
+    for (int c = 0; c < 2; ++c) corner[k][c] = x.to_corner(k, c);
+  for (int k = 0; k < n; ++k) length[k] = sqrt(corner[k][0] * corner[k][0] + corner[k][1] * corner[k][1]);
   for (int k = 0; k < n; ++k) {
     const int from = (k + n - 1) % n;
-    tangent[k] = length[from] * length[k] - (x.corner[from][0] * x.corner[k][0] + x.corner[from][1] * x.corner[k][1]);
+    tangent[k] = length[from] * length[k] - (corner[from][0] * corner[k][0] + corner[from][1] * corner[k][1]);
   }
   std::array<T, kMostSides> factor;
   for (int j = 0; j < n; ++j) {
