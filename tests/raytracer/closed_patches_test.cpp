@@ -46,8 +46,8 @@ struct Found {
 
 class Subject {
  public:
-  Subject(std::string name, const PolygonMesh& mesh, MeshKind kind, bool ball)
-      : name_(std::move(name)), tracer_(scene_of(patches_over(mesh, kind))), ball_(ball) {
+  Subject(std::string name, const PolygonMesh& mesh, MeshKind kind, bool ball, Edges edges = Edges::none)
+      : name_(std::move(name)), tracer_(scene_of(patches_over(mesh, kind), edges)), ball_(ball) {
     const Box3 box = tracer_.scene().box();
     size_ = box.diagonal();
     middle_ = box.middle();
@@ -333,7 +333,8 @@ void examine_file(const MeshFile& mesh, MeshKind kind, std::uint64_t rays) {
 
 TEST(ClosedPatches, NothingGetsThroughSquaresAndHexagons) {
   for (const MeshKind kind : {MeshKind::gregory, MeshKind::charrot_gregory})
-    Subject("truncated octahedron", truncated_octahedron(), kind, true).examine(50000);
+    for (const Edges edges : {Edges::none, Edges::shared})
+      Subject("truncated octahedron", truncated_octahedron(), kind, true, edges).examine(25000);
 }
 TEST(ClosedPatches, NothingGetsThroughSquaresHexagonsAndOctagons) {
   for (const MeshKind kind : {MeshKind::gregory, MeshKind::charrot_gregory}) examine_file(kMeshes[0], kind, 50000);

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261123;
 constexpr std::size_t kBatch = 1024;
-constexpr double kSame = 1e-9;  // sizes: meetings of both routes so near are one
+constexpr double kSame = 1e-9;    // sizes: meetings of both routes so near are one
+constexpr double kAlong = 1e-14;  // sizes: rounding, which a ray that meets a surface flatly moves along it by one over the cosine
 // Radians, where the normal is well told: the tangents not along each other and the ray not along the surface.
 constexpr double kSameNormal = 1e-9, kApart = 1e-2, kSteep = 1e-2;
 // A meeting that one route misses: chart and spline lie `error` apart, so a dip of twice that may be missing, or be none.
@@ -114,7 +115,9 @@ class Routes {
       for (Meeting& k : traced) {
         const double apart = glm::length(m.p - k.p);
         const bool touching = m.touching || k.touching;
-        if (k.matched || m.matched || apart > (touching ? 1e3 : 1.0) * kSame * size_ || (!touching && m.cosine * k.cosine < 0)) continue;
+        if (k.matched || m.matched || apart > (touching ? 1e3 * kSame : kSame + kAlong / std::abs(m.cosine)) * size_ ||
+            (!touching && m.cosine * k.cosine < 0))
+          continue;
         m.matched = k.matched = true;
         ++(touching ? f.touching_both : f.both);
         if (!touching) f.farthest = std::max(f.farthest, apart / size_);

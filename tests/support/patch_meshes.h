@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "patches/n_sided_part.h"
 #include "patches/surface/patch_construct.h"
 #include "raytracer/trace_scene.h"
 
@@ -110,19 +111,17 @@ inline std::vector<NSidedPatch> patches_over(const PolygonMesh& mesh, MeshKind k
   return patches;
 }
 
-// All charts of all patches, patch by patch.
-inline TraceScene scene_of(const std::vector<NSidedPatch>& patches) {
+// All charts of all patches, patch by patch: bare faces, or with the edges that they share.
+enum class Edges { none, shared };
+inline TraceScene scene_of(const std::vector<NSidedPatch>& patches, Edges edges = Edges::none) {
   auto model = std::make_shared<Model>();
-  model->parts.emplace_back();
-  for (std::size_t p = 0; p < patches.size(); ++p)
-    for (int k = 0; k < patches[p].basis.sides; ++k) {
-      Face face;
-      PatchChart chart = chart_of(patches[p], k);
-      chart.patch = static_cast<int>(p);
-      face.surface = std::move(chart);
-      face.domain = {Vec2(0.0), Vec2(1.0)};
-      model->parts[0].faces.push_back(std::move(face));
-    }
+  std::vector<PatchEntry> entries;
+  for (const NSidedPatch& patch : patches) entries.push_back({.patch = patch, .corners = {}, .colour = {}, .name = {}});
+  model->parts.push_back(part_of_patches("patches", entries));
+  if (edges == Edges::none) {
+    model->parts[0].edges.clear();
+    for (Face& face : model->parts[0].faces) face.loops.clear();
+  }
   model->instances.emplace_back();
   finish(*model);
   TraceScene scene;

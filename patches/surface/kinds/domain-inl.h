@@ -55,6 +55,20 @@ Dual1<R> share(const Dual1<R>& a, const Dual1<R>& b) {
   const Dual1<R> sum = a + b;
   return (0.5 * (a - b)).over(sum, inverse_or_zero(sum.f)) + 0.5;
 }
+// In doubles beyond the borders, too. Packs of lanes leave what does not converge there to these.
+inline Dual1<double> corner_sum(const Dual1<double>& a, const Dual1<double>& b) {
+  if (a.f + b.f >= 0.5 * (std::abs(a.f) + std::abs(b.f))) return a + b;
+  return a * (a.f < 0 ? -0.5 : 0.5) + b * (b.f < 0 ? -0.5 : 0.5);
+}
+inline Dual1<double> blend(const Dual1<double>& a, const Dual1<double>& b, const Dual1<double>& X, const Dual1<double>& Y) {
+  const Dual1<double> sum = corner_sum(a, b);
+  return 0.5 * (X + Y) + (0.5 * (a - b)).over(sum, inverse_or_zero(sum.f)) * (X - Y);
+}
+inline Dual1<double> share(const Dual1<double>& a, const Dual1<double>& b) {
+  const Dual1<double> sum = corner_sum(a, b);
+  if (sum.f == a.f + b.f && sum.f != 0) return a.over(sum, 1 / sum.f);
+  return (0.5 * (a - b)).over(sum, inverse_or_zero(sum.f)) + 0.5;
+}
 template <class R>
 Dual1<R> sqrt(const Dual1<R>& a) {
   using std::sqrt;
