@@ -65,7 +65,7 @@ struct Problem {
 };
 
 struct Model {
-  std::string file, format;  // "STEP", "IGES", "BREP", "OBJ", "BPT"
+  std::string file, format;  // "STEP", "IGES", "BREP", "OBJ", "BPT", "IPATCH", "GBP", "LOP", "MP"
   std::string file_unit;     // unit written in the file, may be empty
   std::string unit;          // unit of the coordinates here: "mm" for STEP and IGES, else ""
   std::vector<Part> parts;

@@ -97,6 +97,7 @@ ModelEntry model(const Node& node, const std::filesystem::path& folder) {
   entry.file = (folder / file).string();
   if (node.has("transform")) entry.to_world = transform(node["transform"]);
   if (node.has("colour")) entry.colour = node["colour"].colour();
+  if (node.has("patches")) entry.patches = static_cast<MeshPatches>(node["patches"].word(kMeshPatchNames));
   return entry;
 }
 
@@ -243,7 +244,7 @@ SceneEntry scene(const Node& root, const std::filesystem::path& folder) {
 const std::map<std::string, std::vector<const char*>>& scene_keys() {
   static const std::map<std::string, std::vector<const char*>> keys{
       {"scene", {"$schema", "comment", "models", "camera", "lights", "background", "image", "shade", "shade_options", "mesh"}},
-      {"model", {"file", "transform", "colour"}},
+      {"model", {"file", "transform", "colour", "patches"}},
       {"transform", {"translate", "rotate", "scale", "matrix"}},
       {"rotate", {"axis", "degrees"}},
       {"camera", {"type", "view", "look_from", "look_at", "up", "fov", "height"}},

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "patches/control_mesh.h"
 #include "raytracer/json_reader.h"
 #include "raytracer/render.h"
 #include "raytracer/smoothness.h"
@@ -18,6 +19,7 @@ struct ModelEntry {
   std::string file;  // as it can be opened from the working folder: relative names count from the scene file
   Affine3 to_world;
   std::optional<Colour> colour;
+  std::optional<MeshPatches> patches;  // of the polygons of a control mesh
 };
 
 // A camera is placed by points, or frames the models from a named view.

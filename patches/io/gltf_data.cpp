@@ -12,54 +12,6 @@ namespace iso {
 
 static_assert(std::endian::native == std::endian::little, "buffers are read as numbers lie in memory");
 
-bool GltfValue::has(const char* member) const { return json_->is_object() && json_->contains(member); }
-
-GltfValue GltfValue::at(const char* member) const {
-  if (!json_->is_object()) fail(json_->type_name(), "an object");
-  const auto found = json_->find(member);
-  if (found == json_->end()) fail("no member \"" + std::string(member) + "\"", "one");
-  return {*file_, *found, path_.empty() ? member : path_ + "." + member};
-}
-
-std::uint64_t GltfValue::whole_or(const char* member, std::uint64_t absent) const { return has(member) ? at(member).whole() : absent; }
-
-std::size_t GltfValue::size() const {
-  if (!json_->is_array()) fail(json_->type_name(), "an array");
-  return json_->size();
-}
-
-GltfValue GltfValue::at(std::size_t i) const {
-  if (i >= size()) fail(fmt::format("{} entries", size()), fmt::format("at least {}", i + 1));
-  return {*file_, (*json_)[i], fmt::format("{}[{}]", path_, i)};
-}
-
-std::vector<double> GltfValue::numbers(std::size_t count) const {
-  if (size() != count) fail(fmt::format("{} entries", size()), fmt::format("{} numbers", count));
-  std::vector<double> values;
-  for (const auto& entry : *json_) {
-    if (!entry.is_number() || !std::isfinite(entry.get<double>())) fail(entry.type_name(), fmt::format("{} finite numbers", count));
-    values.push_back(entry.get<double>());
-  }
-  return values;
-}
-
-std::uint64_t GltfValue::whole() const {
-  constexpr double kMost = 0x1p48;  // sums and small multiples of such fit into 64 bits
-  const double value = json_->is_number() ? json_->get<double>() : -1;
-  if (!(value >= 0 && value <= kMost && value == std::floor(value)))
-    fail(json_->is_number() ? fmt::format("{}", value) : json_->type_name(), "a whole number from 0 on");
-  return static_cast<std::uint64_t>(value);
-}
-
-std::string GltfValue::text() const {
-  if (!json_->is_string()) fail(json_->type_name(), "text");
-  return json_->get<std::string>();
-}
-
-void GltfValue::fail(const std::string& found, const std::string& expected) const {
-  throw bad_input(*file_, path_.empty() ? "JSON" : path_, "found " + found + ", expected " + expected);
-}
-
 namespace {
 
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
@@ -101,15 +53,6 @@ std::optional<std::string> from_base64(std::string_view text) {
   return bytes;
 }
 
-// What the parser says, without its number, on one line.
-std::string told(const nlohmann::json::exception& e) {
-  std::string_view what = e.what();
-  if (const auto end = what.find("] "); end != what.npos) what.remove_prefix(end + 2);
-  std::string text;
-  for (const char c : what.substr(0, 200)) text += c >= ' ' && c <= '~' ? c : '?';
-  return text;
-}
-
 }  // namespace
 
 struct GltfData::Component {
@@ -141,7 +84,7 @@ GltfData::GltfData(const std::string& path, std::string_view content) : path_(pa
     parse(chunks(content), 20);
   else
     parse(content, 0);
-  const GltfValue version = root().at("asset").at("version");
+  const JsonValue version = root().at("asset").at("version");
   if (version.text().substr(0, 2) != "2.") version.fail(iso::quoted(version.text()), "version 2.0");
   read_buffers();
 }
@@ -182,11 +125,11 @@ void GltfData::parse(std::string_view text, std::size_t bytes_before) {
 
 void GltfData::read_buffers() {
   if (!root().has("buffers")) return;
-  const GltfValue list = root().at("buffers");
+  const JsonValue list = root().at("buffers");
   owned_.reserve(list.size());  // so that what buffers_ looks at stays where it is
   for (std::size_t i = 0; i < list.size(); ++i) {
     const std::string_view bytes = buffer(list.at(i), i);
-    const GltfValue length = list.at(i).at("byteLength");
+    const JsonValue length = list.at(i).at("byteLength");
     if (length.whole() > bytes.size())
       length.fail(fmt::format("{}", length.whole()), fmt::format("at most the {} bytes that there are", bytes.size()));
     buffers_.push_back(bytes.substr(0, length.whole()));
@@ -194,12 +137,12 @@ void GltfData::read_buffers() {
   }
 }
 
-std::string_view GltfData::buffer(const GltfValue& value, std::size_t i) {
+std::string_view GltfData::buffer(const JsonValue& value, std::size_t i) {
   if (!value.has("uri")) {
     if (i > 0 || binary_.empty()) value.fail("no uri", "one, or a chunk of numbers in the file");
     return binary_;
   }
-  const GltfValue uri = value.at("uri");
+  const JsonValue uri = value.at("uri");
   const std::string text = uri.text();
   if (text.starts_with("data:")) {
     const std::size_t comma = text.find(',');
@@ -220,17 +163,17 @@ std::string_view GltfData::buffer(const GltfValue& value, std::size_t i) {
   return owned_.emplace_back(std::move(*bytes));
 }
 
-GltfValue GltfData::refer(const GltfValue& index, const char* list) const {
+JsonValue GltfData::refer(const JsonValue& index, const char* list) const {
   const std::size_t count = root().has(list) ? root().at(list).size() : 0;
   if (index.whole() >= count) index.fail(fmt::format("{}", index.whole()), fmt::format("the index of one of {} {}", count, list));
   return root().at(list).at(index.whole());
 }
 
-GltfData::Component GltfData::component(const GltfValue& holder) const {
+GltfData::Component GltfData::component(const JsonValue& holder) const {
   static constexpr std::pair<std::size_t, double> kKinds[] = {{1, 127}, {1, 255},          {2, 32767}, {2, 65535},
                                                               {0, 0},   {4, 4294967295.0}, {4, 0}};
   constexpr std::uint64_t kFirst = 5120;
-  const GltfValue type = holder.at("componentType");
+  const JsonValue type = holder.at("componentType");
   const std::uint64_t kind = type.whole() - kFirst;  // what is too small becomes large
   if (kind >= std::size(kKinds) || kKinds[kind].first == 0)
     type.fail(fmt::format("{}", type.whole()), "5120, 5121, 5122, 5123, 5125 or 5126");
@@ -240,9 +183,9 @@ GltfData::Component GltfData::component(const GltfValue& holder) const {
 // Calls put(i, bytes) for the elements in the buffer view of an accessor, or of one of the two lists of a sparse one, all checked to lie
 // within it.
 template <class Put>
-void GltfData::for_each_element(const GltfValue& holder, std::uint64_t count, std::size_t bytes, Put put) const {
-  const GltfValue view = refer(holder.at("bufferView"), "bufferViews");
-  const GltfValue index = view.at("buffer");
+void GltfData::for_each_element(const JsonValue& holder, std::uint64_t count, std::size_t bytes, Put put) const {
+  const JsonValue view = refer(holder.at("bufferView"), "bufferViews");
+  const JsonValue index = view.at("buffer");
   if (index.whole() >= buffers_.size())
     index.fail(fmt::format("{}", index.whole()), fmt::format("the index of one of {} buffers", buffers_.size()));
   const std::string_view buffer = buffers_[index.whole()];
@@ -258,8 +201,8 @@ void GltfData::for_each_element(const GltfValue& holder, std::uint64_t count, st
   for (std::uint64_t i = 0; i < count; ++i) put(i, buffer.substr(begin + offset + i * stride, bytes));
 }
 
-GltfNumbers GltfData::numbers(const GltfValue& accessor, const std::string& type) const {
-  const GltfValue a = refer(accessor, "accessors");
+GltfNumbers GltfData::numbers(const JsonValue& accessor, const std::string& type) const {
+  const JsonValue a = refer(accessor, "accessors");
   if (a.at("type").text() != type) a.at("type").fail(iso::quoted(a.at("type").text()), type);
   const std::size_t components = type == "VEC3" ? 3 : 1;
   const Component c = component(a);
@@ -278,7 +221,7 @@ GltfNumbers GltfData::numbers(const GltfValue& accessor, const std::string& type
   result.values.resize(components * count);
   if (a.has("bufferView")) for_each_element(a, count, components * c.bytes, put);
   if (!a.has("sparse")) return result;
-  const GltfValue sparse = a.at("sparse");
+  const JsonValue sparse = a.at("sparse");
   const std::vector<std::uint64_t> places = sparse_places(sparse, count);
   for_each_element(sparse.at("values"), places.size(), components * c.bytes,
                    [&](std::uint64_t i, std::string_view bytes) { put(places[i], bytes); });
@@ -286,8 +229,8 @@ GltfNumbers GltfData::numbers(const GltfValue& accessor, const std::string& type
 }
 
 // Which elements of `count` a sparse accessor replaces.
-std::vector<std::uint64_t> GltfData::sparse_places(const GltfValue& sparse, std::uint64_t count) const {
-  const GltfValue indices = sparse.at("indices");
+std::vector<std::uint64_t> GltfData::sparse_places(const JsonValue& sparse, std::uint64_t count) const {
+  const JsonValue indices = sparse.at("indices");
   const Component c = component(indices);
   std::vector<std::uint64_t> places;
   for_each_element(indices, sparse.at("count").whole(), c.bytes, [&](std::uint64_t, std::string_view bytes) {

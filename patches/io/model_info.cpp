@@ -36,6 +36,22 @@ void count_surface(const AnySurface& surface, ModelInfo& info) {
   info.rational += nurbs->rational();
 }
 
+// A patch is counted with its first chart.
+void count_chart(const AnySurface& surface, long times, ModelInfo& info) {
+  const auto* chart = std::get_if<PatchChart>(&surface);
+  if (!chart) return;
+  ++info.charts;
+  info.max_chart_error = std::max(info.max_chart_error, chart->error);
+  if (chart->corner != 0) return;
+  const auto key = [](const PatchCount& c) { return std::pair(c.kind, c.sides); };
+  const PatchCount wanted{chart->basis.kind, chart->basis.sides, 0, 0};
+  auto it = std::lower_bound(info.patches.begin(), info.patches.end(), wanted,
+                             [&](const PatchCount& a, const PatchCount& b) { return key(a) < key(b); });
+  if (it == info.patches.end() || key(*it) != key(wanted)) it = info.patches.insert(it, wanted);
+  ++it->stored;
+  it->placed += times;
+}
+
 void count_face(const Face& face, long times, ModelInfo& info) {
   const std::string kind = kind_name(face.surface);
   auto it = std::find_if(info.kinds.begin(), info.kinds.end(), [&](const FaceCount& c) { return c.kind == kind; });
@@ -48,6 +64,7 @@ void count_face(const Face& face, long times, ModelInfo& info) {
   info.loops += static_cast<long>(face.loops.size());
   info.max_approximation_error = std::max(info.max_approximation_error, face.approximation_error);
   count_surface(face.surface, info);
+  count_chart(face.surface, times, info);
 }
 
 void count_edge(const Edge& edge, ModelInfo& info) {
@@ -82,6 +99,18 @@ std::string text_of_faces(const ModelInfo& info) {
   for (const FaceCount& c : info.kinds)
     text += c.placed == c.stored ? fmt::format("{:<13}{:>7}  {}\n", "", c.placed, c.kind)
                                  : fmt::format("{:<13}{:>7}  {} ({} stored)\n", "", c.placed, c.kind, c.stored);
+  return text;
+}
+
+std::string text_of_patches(const ModelInfo& info, const std::string& unit) {
+  if (info.patches.empty()) return {};
+  long stored = 0;
+  for (const PatchCount& c : info.patches) stored += c.stored;
+  std::string text = line("patches", fmt::format("{} in {}; splines beside them at most {:.3g}{} away", stored,
+                                                 counted(info.charts, "chart"), info.max_chart_error, unit));
+  for (const PatchCount& c : info.patches)
+    text += fmt::format("{:<13}{:>7}  {}, {} sides{}\n", "", c.placed, name_of(c.kind), c.sides,
+                        c.placed == c.stored ? "" : fmt::format(" ({} stored)", c.stored));
   return text;
 }
 
@@ -140,6 +169,7 @@ std::string to_text(const ModelInfo& info) {
   text += line("parts", fmt::format("{}, {}, {}", counted(info.parts, "part"), counted(info.instances, "instance"),
                                     counted(info.solids, "closed solid")));
   text += text_of_faces(info);
+  text += text_of_patches(info, unit);
   text += line("loops", fmt::format("{}, {} without", counted(info.loops, "trim loop"), counted(info.untrimmed, "face")));
   if (info.poles > 0)
     text += line("NURBS", fmt::format("degree up to {} x {}, {} (largest {}), {} rational", info.max_degree_u, info.max_degree_v,
@@ -167,6 +197,10 @@ std::string to_json(const ModelInfo& info) {
   j["faces"] = {{"stored", info.faces_stored}, {"placed", info.faces_placed}, {"untrimmed", info.untrimmed}, {"loops", info.loops}};
   j["kinds"] = nlohmann::ordered_json::object();
   for (const FaceCount& c : info.kinds) j["kinds"][c.kind] = {{"stored", c.stored}, {"placed", c.placed}};
+  auto patches = nlohmann::ordered_json::array();
+  for (const PatchCount& c : info.patches)
+    patches.push_back({{"kind", name_of(c.kind)}, {"sides", c.sides}, {"stored", c.stored}, {"placed", c.placed}});
+  j["patches"] = {{"charts", info.charts}, {"largest_chart_error", info.max_chart_error}, {"kinds", std::move(patches)}};
   j["nurbs"] = {{"max_degree_u", info.max_degree_u},
                 {"max_degree_v", info.max_degree_v},
                 {"poles", info.poles},

@@ -6,12 +6,20 @@
 #include <vector>
 
 #include "patches/brep.h"
+#include "patches/surface/patch_chart.h"
 
 namespace iso {
 
 // Faces of one surface kind: as stored, and as placed by the instances.
 struct FaceCount {
   std::string kind;
+  long stored = 0, placed = 0;
+};
+
+// Patches of one kind and number of sides; each has as many charts as sides.
+struct PatchCount {
+  PatchKind kind;
+  int sides = 0;
   long stored = 0, placed = 0;
 };
 
@@ -22,6 +30,9 @@ struct ModelInfo {
   long solids = 0;  // as placed, closed ones
   long faces_stored = 0, faces_placed = 0, untrimmed = 0, loops = 0;
   std::vector<FaceCount> kinds;                // only those that occur
+  std::vector<PatchCount> patches;             // with any number of sides; by kind, then sides
+  long charts = 0;                             // stored
+  double max_chart_error = 0;                  // world units: largest distance between a chart and the spline beside it
   int max_degree_u = 0, max_degree_v = 0;      // of NURBS surfaces
   long poles = 0, max_poles = 0;               // all NURBS surfaces together; the largest one
   long rational = 0;                           // NURBS surfaces with weights

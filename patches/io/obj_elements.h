@@ -41,6 +41,13 @@ struct ObjElement {
   std::vector<ObjLoop> loops;
 };
 
+// A polygon of a control mesh: indices of vertices and, if every corner has one, of normals, from 0.
+struct ObjPolygon {
+  int line = 0;
+  std::vector<long> points, normals;
+  std::string name;  // of its object and group
+};
+
 // A statement kind that is counted instead of used.
 struct ObjCounted {
   int first_line = 0, count = 0;
@@ -50,12 +57,15 @@ struct ObjFile {
   std::vector<Vec4> vertices;            // x y z weight
   std::vector<Vec3> parameter_vertices;  // u v weight
   std::vector<ObjElement> surfaces, trim_curves;
+  std::vector<Vec3> normals;
+  std::vector<ObjPolygon> polygons;           // if they are to be read; else counted
   std::map<std::string, ObjCounted> counted;  // by keyword; "" for those that are not known
   std::string first_unknown;                  // quoted
   int lines = 0;
 };
 
 // Throws an `Error` (see text_input.h) for malformed text. References to points and curves that do not exist are found when used.
-ObjFile parse_obj(const std::string& path, std::string_view text);
+enum class PolygonsOfObj { counted, read };
+ObjFile parse_obj(const std::string& path, std::string_view text, PolygonsOfObj polygons = PolygonsOfObj::counted);
 
 }  // namespace iso

@@ -9,7 +9,7 @@ namespace {
 
 class ObjParser {
  public:
-  ObjParser(const std::string& path, std::string_view text) : path_(path), lines_(text) {}
+  ObjParser(const std::string& path, std::string_view text, PolygonsOfObj polygons) : path_(path), lines_(text), polygons_(polygons) {}
 
   ObjFile parse() {
     TextLine line;
@@ -44,6 +44,10 @@ class ObjParser {
       loop(line);
     else if (key == "end")
       end(line);
+    else if (polygons_ == PolygonsOfObj::read && key == "vn")
+      normal(line);
+    else if (polygons_ == PolygonsOfObj::read && (key == "f" || key == "fo"))
+      polygon(line);
     else if (key == "o")
       object_ = rest(line);
     else if (key == "g")
@@ -56,7 +60,7 @@ class ObjParser {
   void count(const TextLine& line) {
     static constexpr std::string_view kOfOtherElements[] = {"vn", "vt", "s", "bmat", "step", "mg"};
     static constexpr std::string_view kCounted[] = {
-        "f",   "fo",  "l",   "p",   "sp",  "scrv",  "con",      "usemtl",   "mtllib", "usemap", "maplib", "call",       "csh",
+        "f",   "fo",  "t",   "l",   "p",   "sp",    "scrv",     "con",      "usemtl", "mtllib", "usemap", "maplib",     "call",     "csh",
         "bsp", "bzp", "cdc", "cdp", "res", "bevel", "c_interp", "d_interp", "lod",    "ctech",  "stech",  "shadow_obj", "trace_obj"};
     const std::string_view key = line.words.front();
     for (const std::string_view k : kOfOtherElements)
@@ -88,6 +92,27 @@ class ObjParser {
     for (std::size_t c = 0; c < numbers; ++c) p[int(c)] = number(line, c + 1, "a number");
     file_.parameter_vertices.push_back(p);
   }
+
+  void normal(const TextLine& line) {
+    if (line.words.size() != 4) fail(path_, line.number, "vn has " + std::to_string(line.words.size() - 1) + " numbers, expected x y z");
+    file_.normals.emplace_back(number(line, 1, "a coordinate"), number(line, 2, "a coordinate"), number(line, 3, "a coordinate"));
+  }
+
+  // Corners as "7", "7/1", "7//2" or "7/1/2": vertex, texture vertex, normal.
+  void polygon(const TextLine& line) {
+    ObjPolygon polygon{.line = line.number, .points = {}, .normals = {}, .name = element_name()};
+    for (std::size_t i = 1; i < line.words.size(); ++i) {
+      const std::string_view word = line.words[i];
+      polygon.points.push_back(index(line, word, file_.vertices.size(), "a vertex"));
+      const std::size_t second = word.find('/', std::min(word.find('/'), word.size() - 1) + 1);
+      if (second != word.npos && word.find('/') != second)
+        polygon.normals.push_back(index(line, word.substr(second + 1), file_.normals.size(), "a normal"));
+    }
+    if (polygon.normals.size() != polygon.points.size()) polygon.normals.clear();
+    file_.polygons.push_back(std::move(polygon));
+  }
+
+  std::string element_name() const { return object_.empty() || group_.empty() ? object_ + group_ : object_ + "/" + group_; }
 
   void curve_type(const TextLine& line) {
     const bool rational = line.words.size() == 3 && line.words[1] == "rat";
@@ -125,7 +150,7 @@ class ObjParser {
     element_.line = line.number;
     element_.attributes = now_;
     element_.keyword = keyword;
-    element_.name = object_.empty() || group_.empty() ? object_ + group_ : object_ + "/" + group_;
+    element_.name = element_name();
   }
 
   void begin_surface(const TextLine& line) {
@@ -218,6 +243,7 @@ class ObjParser {
 
   const std::string& path_;
   TextLines lines_;
+  PolygonsOfObj polygons_;
   ObjFile file_;
   ObjAttributes now_;
   std::string object_, group_;
@@ -226,6 +252,8 @@ class ObjParser {
 
 }  // namespace
 
-ObjFile parse_obj(const std::string& path, std::string_view text) { return ObjParser(path, text).parse(); }
+ObjFile parse_obj(const std::string& path, std::string_view text, PolygonsOfObj polygons) {
+  return ObjParser(path, text, polygons).parse();
+}
 
 }  // namespace iso

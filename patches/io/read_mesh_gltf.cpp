@@ -48,7 +48,7 @@ class GltfReader {
     if (!root_.has("extensionsRequired")) return;
     static constexpr std::string_view kHarmless[] = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
                                                      "KHR_lights_",    "KHR_xmp",      "KHR_mesh_quantization"};
-    const GltfValue list = root_.at("extensionsRequired");
+    const JsonValue list = root_.at("extensionsRequired");
     for (std::size_t i = 0; i < list.size(); ++i) {
       const std::string name = list.at(i).text();
       const auto is_start = [&](std::string_view start) { return name.starts_with(start); };
@@ -58,28 +58,28 @@ class GltfReader {
   }
 
   void visit_scene() {
-    const GltfValue scenes = root_.at("scenes");
-    const GltfValue scene = root_.has("scene") ? data_.refer(root_.at("scene"), "scenes") : scenes.at(std::size_t{0});
+    const JsonValue scenes = root_.at("scenes");
+    const JsonValue scene = root_.has("scene") ? data_.refer(root_.at("scene"), "scenes") : scenes.at(std::size_t{0});
     if (!scene.has("nodes")) return;
-    for_each_node(scene.at("nodes"), [&](const GltfValue& entry, std::uint64_t i) { visit(entry, i); });
+    for_each_node(scene.at("nodes"), [&](const JsonValue& entry, std::uint64_t i) { visit(entry, i); });
   }
 
   // All nodes that are no one's children.
   void visit_roots(std::size_t nodes) {
     std::vector<bool> is_child(nodes, false);
     for (std::size_t i = 0; i < nodes; ++i)
-      for_each_child(root_.at("nodes").at(i), [&](const GltfValue&, std::uint64_t child) { is_child[child] = true; });
+      for_each_child(root_.at("nodes").at(i), [&](const JsonValue&, std::uint64_t child) { is_child[child] = true; });
     for (std::size_t i = 0; i < nodes; ++i)
       if (!is_child[i]) visit(root_.at("nodes").at(i), i);
   }
 
   template <class F>
-  void for_each_child(const GltfValue& node, F f) const {
+  void for_each_child(const JsonValue& node, F f) const {
     if (node.has("children")) for_each_node(node.at("children"), f);
   }
   // Calls f(entry, index) for a list of indices of nodes.
   template <class F>
-  void for_each_node(const GltfValue& list, F f) const {
+  void for_each_node(const JsonValue& list, F f) const {
     for (std::size_t i = 0; i < list.size(); ++i) {
       data_.refer(list.at(i), "nodes");
       f(list.at(i), list.at(i).whole());
@@ -87,9 +87,9 @@ class GltfReader {
   }
 
   // A node and all below it, without recursion: hierarchies may be as deep as the file is long. `place`: what errors name.
-  void visit(const GltfValue& place, std::uint64_t index) {
+  void visit(const JsonValue& place, std::uint64_t index) {
     struct Waiting {
-      GltfValue place;
+      JsonValue place;
       std::uint64_t index;
       Affine3 to_parent;
     };
@@ -99,16 +99,16 @@ class GltfReader {
       waiting.pop_back();
       if (visited_[now.index]) now.place.fail(fmt::format("the node {} again", now.index), "each node once");
       visited_[now.index] = true;
-      const GltfValue node = root_.at("nodes").at(now.index);
+      const JsonValue node = root_.at("nodes").at(now.index);
       const Affine3 to_model = now.to_parent * placement(node);
       if (node.has("mesh")) place_mesh(node, to_model);
       const std::size_t first = waiting.size();
-      for_each_child(node, [&](const GltfValue& child, std::uint64_t i) { waiting.push_back({child, i, to_model}); });
+      for_each_child(node, [&](const JsonValue& child, std::uint64_t i) { waiting.push_back({child, i, to_model}); });
       std::reverse(waiting.begin() + static_cast<long>(first), waiting.end());
     }
   }
 
-  static Affine3 placement(const GltfValue& node) {
+  static Affine3 placement(const JsonValue& node) {
     if (node.has("matrix")) {
       const std::vector<double> m = node.at("matrix").numbers(16);
       if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
@@ -129,7 +129,7 @@ class GltfReader {
   }
 
   // Of a quaternion x y z w, which need be unit only as far as its digits go.
-  static Mat3 rotation(const GltfValue& value) {
+  static Mat3 rotation(const JsonValue& value) {
     const std::vector<double> q = value.numbers(4);
     const double x = q[0], y = q[1], z = q[2], w = q[3], norm = x * x + y * y + z * z + w * w, s = 2 / norm;
     if (!(norm > 0) || !finite(norm) || !finite(s)) value.fail(fmt::format("a quaternion of length {}", std::sqrt(norm)), "length 1");
@@ -138,9 +138,9 @@ class GltfReader {
             Vec3(s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y))};
   }
 
-  void place_mesh(const GltfValue& node, const Affine3& to_model) {
+  void place_mesh(const JsonValue& node, const Affine3& to_model) {
     skinned_ += node.has("skin");
-    const GltfValue mesh = data_.refer(node.at("mesh"), "meshes");
+    const JsonValue mesh = data_.refer(node.at("mesh"), "meshes");
     std::optional<Geometry>& stored = geometries_[node.at("mesh").whole()];
     if (!stored) stored = geometry(mesh);
     const Geometry& g = *stored;
@@ -164,18 +164,18 @@ class GltfReader {
     mesh_.rounding = std::max(mesh_.rounding, glm::length(reach));
   }
 
-  Geometry geometry(const GltfValue& mesh) {
+  Geometry geometry(const JsonValue& mesh) {
     Geometry g;
     std::map<std::uint64_t, std::pair<std::uint32_t, std::uint32_t>> read;  // first point and count, by accessor: primitives share them
-    const GltfValue primitives = mesh.at("primitives");
+    const JsonValue primitives = mesh.at("primitives");
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const GltfValue p = primitives.at(i);
+      const JsonValue p = primitives.at(i);
       const std::uint64_t mode = p.whole_or("mode", 4);
       if (mode < 4) ++other_primitives_;
       if (mode > 6) p.at("mode").fail(fmt::format("{}", mode), "0 to 6");
       if (mode < 4 || !p.at("attributes").has("POSITION")) continue;
       morphed_ += p.has("targets");
-      const GltfValue position = p.at("attributes").at("POSITION");
+      const JsonValue position = p.at("attributes").at("POSITION");
       const auto [at, is_new] = read.try_emplace(position.whole());
       if (is_new) at->second = add_points(g, position);
       add_triangles(g, p, mode, at->second.first, at->second.second);
@@ -183,7 +183,7 @@ class GltfReader {
     return g;
   }
 
-  std::pair<std::uint32_t, std::uint32_t> add_points(Geometry& g, const GltfValue& position) const {
+  std::pair<std::uint32_t, std::uint32_t> add_points(Geometry& g, const JsonValue& position) const {
     const GltfNumbers numbers = data_.numbers(position, "VEC3");
     const std::size_t first = g.points.size(), count = numbers.values.size() / 3;
     if (first + count > kMostIndices) position.fail("more points", fmt::format("at most {}", kMostIndices));
@@ -199,10 +199,10 @@ class GltfReader {
   }
 
   // Of a primitive over the points [first, first + count).
-  void add_triangles(Geometry& g, const GltfValue& primitive, std::uint64_t mode, std::uint32_t first, std::uint32_t count) const {
+  void add_triangles(Geometry& g, const JsonValue& primitive, std::uint64_t mode, std::uint32_t first, std::uint32_t count) const {
     std::vector<std::uint32_t> corners;
     if (primitive.has("indices")) {
-      const GltfValue indices = primitive.at("indices");
+      const JsonValue indices = primitive.at("indices");
       for (const double i : data_.numbers(indices, "SCALAR").values) {
         if (!(i >= 0 && i < count && i == std::floor(i)))
           indices.fail(fmt::format("the index {}", i), fmt::format("one of {} points", count));
@@ -228,7 +228,7 @@ class GltfReader {
   }
 
   const GltfData data_;
-  const GltfValue root_;
+  const JsonValue root_;
   ForeignMesh mesh_;
   std::vector<bool> visited_;                        // nodes
   std::vector<std::optional<Geometry>> geometries_;  // of meshes

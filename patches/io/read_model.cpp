@@ -10,14 +10,15 @@
 #include <filesystem>
 #include <fstream>
 
+#include "patches/io/patch_set.h"
 #include "patches/io/text_check.h"
 #include "patches/io/text_input.h"
 
 namespace iso {
 namespace {
 
-enum class Format { step, iges, brep, obj, bpt, unknown };
-constexpr const char* kExpected = "expected STEP, IGES, BREP, OBJ or .bpt";
+enum class Format { step, iges, brep, obj, bpt, ipatch, gbp, lop, mp, unknown };
+constexpr const char* kExpected = "expected STEP, IGES, BREP, OBJ, .bpt, .ipatch, .gbp, .lop or .mp";
 constexpr std::streamsize kHead = 4096;  // bytes that decide what a file is
 
 bool starts_with(const std::string& text, const char* start) { return text.rfind(start, 0) == 0; }
@@ -76,12 +77,19 @@ bool is_bpt(const std::vector<std::string>& lines) {
   return lines.size() >= 2 && only_integers(lines[0], 1) && only_integers(lines[1], 2);
 }
 
+// .ipatch: JSON that calls itself so.
+bool is_ipatch(const std::string& head) {
+  const std::size_t start = head.find_first_not_of(" \t\r\n");
+  return start != head.npos && head[start] == '{' && head.find('"' + std::string(kPatchFileFormat) + '"') != head.npos;
+}
+
 Format format_of_content(const std::string& head) {
   if (head.find("ISO-10303-21") != std::string::npos) return Format::step;
   if (head.find("DBRep_DrawableShape") != std::string::npos || head.find("CASCADE Topology V") != std::string::npos) return Format::brep;
   const auto lines = lines_of(head);
   if (is_iges_line(lines[0])) return Format::iges;
   if (head.find('\0') != std::string::npos) return Format::unknown;
+  if (is_ipatch(head)) return Format::ipatch;
   if (is_bpt(lines)) return Format::bpt;
   if (is_obj(lines)) return Format::obj;
   return Format::unknown;
@@ -92,7 +100,18 @@ Format format_of_name(const std::string& path) {
   const std::string ending = lower(std::filesystem::path(path).extension().string());
   if (ending == ".obj") return Format::obj;
   if (ending == ".bpt") return Format::bpt;
+  if (ending == ".ipatch") return Format::ipatch;
+  if (ending == ".gbp") return Format::gbp;
+  if (ending == ".lop") return Format::lop;
+  if (ending == ".mp") return Format::mp;
   return Format::unknown;
+}
+
+// Files of numbers alone look alike, and ribbons (.mp) begin like a .bpt file: among these the name decides.
+Format format_of(const std::string& path, const std::string& head) {
+  const Format content = format_of_content(head), name = format_of_name(path);
+  const bool numbers = name == Format::gbp || name == Format::lop || name == Format::mp;
+  return content == Format::unknown || (content == Format::bpt && numbers) ? name : content;
 }
 
 // What a file that we cannot use seems to be.
@@ -133,7 +152,9 @@ Status check_text_of(const std::string& path, Status (*check)(const std::string&
   return text ? check(path, *text) : Status(text.error());
 }
 
-Result<Model> read_as(Format format, const std::string& path, const std::string& head) {
+Result<Model> read_as(Format format, const std::string& path, const std::string& head, const ReadOptions& options) {
+  if (options.patches && format != Format::obj)
+    return bad_input(path, "", "patches are made of control meshes (--patches), expected an OBJ file with polygons");
   switch (format) {
     case Format::step:
       if (const auto checked = check_text_of(path, check_step_text); !checked) return checked.error();
@@ -144,9 +165,17 @@ Result<Model> read_as(Format format, const std::string& path, const std::string&
       if (const auto checked = check_text_of(path, check_brep_text); !checked) return checked.error();
       return read_brep(path);
     case Format::obj:
-      return read_obj(path);
+      return read_obj(path, options);
     case Format::bpt:
       return read_bpt(path);
+    case Format::ipatch:
+      return read_ipatch(path);
+    case Format::gbp:
+      return read_gbp(path);
+    case Format::lop:
+      return read_lop(path);
+    case Format::mp:
+      return read_mp(path);
     case Format::unknown:
       break;
   }
@@ -178,13 +207,11 @@ std::string reason_for_no_faces(const Model& model) {
 
 }  // namespace
 
-Result<Model> read_model(const std::string& path) {
+Result<Model> read_model(const std::string& path, const ReadOptions& options) {
   const auto head = read_head(path);
   if (!head) return head.error();
   if (head->empty()) return bad_input(path, "", fmt::format("{}; found an empty file", kExpected));
-  Format format = format_of_content(*head);
-  if (format == Format::unknown) format = format_of_name(path);
-  auto model = read_as(format, path, *head);
+  auto model = read_as(format_of(path, *head), path, *head, options);
   if (!model) return model;
   size_t faces = 0;
   for (const Instance& instance : model->instances) faces += model->parts[static_cast<size_t>(instance.part)].faces.size();

@@ -2,8 +2,8 @@
 //
 // Points are not premultiplied by their weights; u runs fastest in `surf`; weights count only under `rat`. The face's domain is the
 // range s0..s1, t0..t1 of `surf`. Trim loops must close; a gap that is more than rounding is bridged by a line and reported.
-// Other curve types (bmatrix, cardinal, taylor), space curves and polygons cannot be used and are counted as dropped. A file without any
-// surface is refused; so is malformed text, with its line.
+// Other curve types (bmatrix, cardinal, taylor) and space curves cannot be used and are counted as dropped; so are polygons, unless patches
+// are to be made of them (patches/control_mesh.h). A file without any surface is refused; so is malformed text, with its line.
 //
 // Reading is done in two steps, because a statement may refer to points that follow it: parse all elements, then build the faces.
 #include "patches/io/obj_elements.h"
@@ -19,15 +19,14 @@ constexpr double kRounding = 1e-9;
 
 class ObjBuilder {
  public:
-  ObjBuilder(const std::string& path, ObjFile file) : path_(path), file_(std::move(file)) {}
+  ObjBuilder(const std::string& path, ObjFile file, const ReadOptions& options) : path_(path), file_(std::move(file)), options_(options) {}
 
   Model build() {
     Model model;
     model.file = path_;
     model.format = "OBJ";
     refuse_without_surfaces();
-    Part part;
-    part.name = stem_of(path_);
+    Part part = part_of_polygons(model);
     int number = 0;
     for (const ObjElement& s : file_.surfaces) {
       ++number;
@@ -39,7 +38,7 @@ class ObjBuilder {
       face.name = s.name.empty() ? "surf " + std::to_string(number) : s.name;
       part.faces.push_back(std::move(face));
     }
-    if (part.faces.empty())
+    if (part.faces.empty() && file_.polygons.empty())
       fail(path_, file_.surfaces.front().line,
            "none of the " + std::to_string(file_.surfaces.size()) + " surfaces can be used: " + unsupported(file_.surfaces.front()));
     report_counted(model);
@@ -53,12 +52,36 @@ class ObjBuilder {
 
  private:
   void refuse_without_surfaces() const {
-    if (!file_.surfaces.empty()) return;
+    if (!file_.surfaces.empty() || !file_.polygons.empty()) return;
     if (const auto f = file_.counted.find("f"); f != file_.counted.end())
       fail(path_, f->second.first_line,
            "found " + std::to_string(f->second.count) +
-               " polygons and no free-form surface (surf). Control meshes are later work: expected cstype bezier or bspline surfaces");
+               " polygons and no free-form surface (surf), expected cstype bezier or bspline surfaces; --patches gregory makes patches of "
+               "a control mesh's polygons");
     fail(path_, file_.lines, "found the end of the file, expected at least one free-form surface (surf)");
+  }
+
+  // The patches of the control mesh, if they are wanted.
+  Part part_of_polygons(Model& model) const {
+    if (file_.polygons.empty()) return part_of_patches(stem_of(path_), {});
+    ControlMesh mesh;
+    for (const Vec4& v : file_.vertices) mesh.points.emplace_back(v);
+    for (const ObjPolygon& polygon : file_.polygons) {
+      ControlPolygon p{.corners = {}, .normals = {}, .place = "line " + std::to_string(polygon.line), .name = polygon.name};
+      for (const long i : polygon.points) p.corners.push_back(static_cast<int>(checked(polygon, i, file_.vertices.size(), "vertex")));
+      for (const long i : polygon.normals)
+        p.normals.push_back(file_.normals[static_cast<std::size_t>(checked(polygon, i, file_.normals.size(), "normal"))]);
+      mesh.polygons.push_back(std::move(p));
+    }
+    MeshOfPatches made = patches_of_mesh(mesh, options_.patches.value_or(MeshPatches::gregory));
+    model.problems.insert(model.problems.end(), made.problems.begin(), made.problems.end());
+    return part_of_patches(stem_of(path_), made.patches);
+  }
+
+  long checked(const ObjPolygon& polygon, long index, std::size_t count, const std::string& what) const {
+    if (index >= static_cast<long>(count))
+      fail(path_, polygon.line, "f refers to " + what + " " + std::to_string(index + 1) + "; the file has " + std::to_string(count));
+    return index;
   }
 
   // Why a surface cannot be used, or nothing.
@@ -79,7 +102,7 @@ class ObjBuilder {
       const char* what;
     };
     static constexpr Row kRows[] = {
-        {"f", Kind::dropped, "polygons (f); control meshes are later work"},
+        {"f", Kind::dropped, "polygons (f); --patches makes patches of them"},
         {"l", Kind::dropped, "polylines (l)"},
         {"p", Kind::dropped, "points (p)"},
         {"curv", Kind::dropped, "space curves (curv)"},
@@ -93,6 +116,7 @@ class ObjBuilder {
         {"scrv", Kind::note, "special curves (scrv) change no surface and are not used"},
         {"con", Kind::note, "connections between surfaces (con) are not used"},
         {"usemtl", Kind::note, "materials (usemtl) are not used"},
+        {"t", Kind::note, "tags of subdivision surfaces (t: creases, corners, holes) are not used"},
         {"", Kind::dropped, "statements that are not known"},
     };
     int other = 0, other_line = 0;
@@ -306,15 +330,17 @@ class ObjBuilder {
 
   const std::string& path_;
   ObjFile file_;
+  const ReadOptions& options_;
 };
 
 }  // namespace
 
-Result<Model> read_obj(const std::string& path) {
+Result<Model> read_obj(const std::string& path, const ReadOptions& options) {
   const auto text = read_text(path);
   if (!text) return text.error();
   try {
-    return ObjBuilder(path, parse_obj(path, *text)).build();
+    const PolygonsOfObj polygons = options.patches ? PolygonsOfObj::read : PolygonsOfObj::counted;
+    return ObjBuilder(path, parse_obj(path, *text, polygons), options).build();
   } catch (const Error& error) {
     return error;
   }

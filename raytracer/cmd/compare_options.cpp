@@ -29,7 +29,9 @@ void declare_pictures(CLI::App& command, CompareOptions& options) {
 
 std::shared_ptr<CompareOptions> declare_compare_options(CLI::App& command) {
   auto options = std::make_shared<CompareOptions>();
-  command.add_option("INPUT", options->input, "model (STEP, IGES, BREP, OBJ, BPT) or scene (.json): the exact surfaces");
+  command.add_option("INPUT", options->input,
+                     "model (STEP, IGES, BREP, OBJ, BPT, IPATCH, GBP, LOP, MP) or scene (.json): the exact surfaces");
+  declare_patches_option(command, options->patches);
   command.add_option("-o,--output", options->output, "folder for index.html, report.json, table.csv and the pictures; left out: only told");
   command.add_option("--tolerances", options->tolerances,
                      "our meshes: distances with commas, like 1e-3d,0.05mm [1e-2d,1e-3d,1e-4d without --mesh]");
@@ -100,6 +102,7 @@ RenderOptions render_options_of(const CompareOptions& options) {
   render.seed = options.seed;
   render.fov = options.fov;
   render.orthographic = options.orthographic;
+  render.patches = options.patches;
   render.mode = "direct";
   return render;
 }

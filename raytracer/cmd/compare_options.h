@@ -30,6 +30,7 @@ struct CompareOptions {
   std::optional<std::uint64_t> seed;
   std::optional<double> fov;
   bool orthographic = false;
+  PatchesOption patches;
   std::string progress = "auto";
   int threads = 0;
   bool quiet = false;

@@ -58,7 +58,7 @@ Exit continuity(const ContinuityRequest& request) {
   if (const auto checked = check_request(request); !checked) return fail(checked.error());
   const int threads = request.threads > 0 ? request.threads : tbb::info::default_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  auto read = read_model(request.model);
+  auto read = read_model(request.model, {request.patches.kind()});
   if (!read) return fail(read.error());
   const auto model = std::make_shared<const Model>(std::move(*read));
   const auto settings = settings_for(request, *model);

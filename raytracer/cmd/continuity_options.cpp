@@ -121,7 +121,8 @@ bool same_file(const std::string& a, const std::string& b) {
 
 std::shared_ptr<ContinuityRequest> declare_continuity_options(CLI::App& command) {
   auto r = std::make_shared<ContinuityRequest>();
-  command.add_option("MODEL", r->model, "STEP, IGES, BREP, OBJ or BPT file")->required();
+  command.add_option("MODEL", r->model, "STEP, IGES, BREP, OBJ, BPT, IPATCH, GBP, LOP or MP file")->required();
+  declare_patches_option(command, r->patches);
   command.add_option("--by", r->by, "what the table is sorted and the picture coloured by: gap, normal or curvature [normal]")
       ->check(CLI::IsMember({"gap", "normal", "curvature"}));
   command.add_option("--rows", r->rows, "rows of the table [20]")->check(CLI::Range(0, 1000000));
@@ -188,6 +189,7 @@ RenderOptions render_options_of(const ContinuityRequest& request) {
   options.samples = request.samples;
   options.fov = request.fov;
   options.orthographic = request.orthographic;
+  options.patches = request.patches;
   return options;
 }
 

@@ -26,6 +26,7 @@ struct ContinuityRequest {
   std::optional<int> samples;
   std::optional<double> fov;
   bool orthographic = false;
+  PatchesOption patches;
   int threads = 0;
   bool quiet = false;
 };

@@ -11,6 +11,7 @@
 #include "raytracer/cmd/command.h"
 #include "raytracer/cmd/line_source.h"
 #include "raytracer/cmd/load_models.h"
+#include "raytracer/cmd/patches_option.h"
 #include "raytracer/cmd/report.h"
 #include "raytracer/ray_text.h"
 
@@ -19,6 +20,7 @@ namespace {
 
 struct Options {
   std::string model;
+  PatchesOption patches;
   bool nearest = false, json = false, stats = false;
   int threads = 0;
 };
@@ -93,7 +95,7 @@ Status trace_input(const Tracer& tracer, const Options& options, SolverStats& st
 Exit hit(const Options& options) {
   const auto threads = static_cast<std::size_t>(options.threads > 0 ? options.threads : tbb::info::default_concurrency());
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  auto loaded = load_models({{options.model, {}, {}}}, {});
+  auto loaded = load_models({{options.model, {}, {}, options.patches.kind()}}, {});
   if (!loaded) return fail(loaded.error());
   const Tracer tracer(std::move(loaded->scene));
   SolverStats stats;
@@ -117,7 +119,8 @@ void add_hit_command(CLI::App& app, Exit& exit) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("hit", "rays on standard input, their hits on standard output, in double precision");
   command->footer(kHitHelp);
-  command->add_option("MODEL", options->model, "STEP, IGES, BREP, OBJ or BPT file")->required();
+  command->add_option("MODEL", options->model, "STEP, IGES, BREP, OBJ, BPT, IPATCH, GBP, LOP or MP file")->required();
+  declare_patches_option(*command, options->patches);
   command->add_flag("--nearest", options->nearest, "only the nearest hit: exactly one line per ray");
   command->add_flag("--json", options->json, "one JSON object a line");
   command->add_option("-t,--threads", options->threads, "threads to use; 0: all [0]")->check(CLI::Range(0, 1024));

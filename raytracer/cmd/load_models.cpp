@@ -34,17 +34,18 @@ void note_problems(const Model& model, std::vector<std::string>& notes) {
 Result<LoadedModels> load_models(const std::vector<ModelEntry>& models, const std::string& hash_text) {
   LoadedModels loaded;
   std::uint64_t hash = hash_bytes(0xcbf29ce484222325ull, hash_text);
-  std::map<std::string, std::shared_ptr<const Model>> read;
+  std::map<std::pair<std::string, std::optional<MeshPatches>>, std::shared_ptr<const Model>> read;
   for (const ModelEntry& entry : models) {
-    auto& model = read[entry.file];
+    auto& model = read[{entry.file, entry.patches}];
     if (!model) {
-      auto result = read_model(entry.file);
+      auto result = read_model(entry.file, {entry.patches});
       if (!result) return result.error();
       model = std::make_shared<const Model>(std::move(*result));
       note_problems(*model, loaded.notes);
       const auto bytes = read_text(entry.file);
       if (!bytes) return bytes.error();
       hash = hash_bytes(hash, *bytes);
+      if (entry.patches) hash = hash_bytes(hash, kMeshPatchNames[static_cast<std::size_t>(*entry.patches)]);
     }
     if (&entry == models.data()) loaded.unit = model->unit;
     if (loaded.unit != model->unit) loaded.unit.clear();

@@ -16,7 +16,7 @@ struct LoadedModels {
   std::vector<std::string> notes;  // one line per file that could not be used whole
 };
 
-// Reads each file once. Errors: those of `read_model`, and a scene whose box is not finite.
+// Reads each file once, or once per kind of patches asked of it. Errors: those of `read_model`, and a scene whose box is not finite.
 Result<LoadedModels> load_models(const std::vector<ModelEntry>& models, const std::string& hash_text);
 
 }  // namespace iso

@@ -13,10 +13,10 @@ Error bad_option(const std::string& message) { return {Exit::bad_command_line, {
 
 std::set<std::string> names(const auto& list) { return {list.begin(), list.end()}; }
 
-bool is_scene_file(const std::string& path) {
+bool has_ending(const std::string& path, const char* wanted) {
   std::string ending = std::filesystem::path(path).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending == ".json";
+  return ending == wanted;
 }
 
 // "1280x960".
@@ -164,7 +164,9 @@ void declare_shade_options(CLI::App& command, RenderOptions& options) {
 
 std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command) {
   auto options = std::make_shared<RenderOptions>();
-  command.add_option("INPUT", options->input, "scene file (.json) or a model: STEP, IGES, BREP, OBJ, BPT")->required();
+  command.add_option("INPUT", options->input, "scene file (.json) or a model: STEP, IGES, BREP, OBJ, BPT, IPATCH, GBP, LOP, MP")
+      ->required();
+  declare_patches_option(command, options->patches);
   command.add_option("-o,--output", options->output, "OpenEXR file to write")->required();
   command.add_option("--view", options->view, "frame the models from: iso front back left right top bottom (z is up)")
       ->check(CLI::IsMember(names(kViewNames)));
@@ -195,12 +197,14 @@ std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command) {
 Result<SceneEntry> scene_for(const RenderOptions& options) {
   // A bare model is a scene with default camera and lights, before a light sky.
   SceneEntry scene;
-  if (is_scene_file(options.input)) {
+  if (has_ending(options.input, ".json")) {
     auto read = read_scene(options.input);
     if (!read) return read.error();
     scene = std::move(*read);
+    for (ModelEntry& entry : scene.models)
+      if (options.patches.name && has_ending(entry.file, ".obj")) entry.patches = options.patches.kind();
   } else {
-    scene.models.push_back({options.input, {}, {}});
+    scene.models.push_back({options.input, {}, {}, options.patches.kind()});
     scene.background = Background{BackgroundKind::sky, {}};
   }
 

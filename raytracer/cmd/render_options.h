@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "raytracer/cmd/patches_option.h"
 #include "raytracer/scene_file.h"
 
 namespace iso {
@@ -17,6 +18,7 @@ struct RenderOptions {
   std::optional<std::uint64_t> seed;
   std::optional<double> fov;
   bool orthographic = false;
+  PatchesOption patches;
   std::string aovs = "all", progress = "auto";
   std::optional<std::string> mode, tolerance;
   bool flat = false, terminator_fix = false;
@@ -29,8 +31,9 @@ struct RenderOptions {
 
 std::shared_ptr<RenderOptions> declare_render_options(CLI::App& command);
 
-// The scene to render: read from a scene file, or made around a bare model; options applied. Without triangles, --tolerance, --flat and
-// --terminator-fix are refused, and so are the options of other shades. The options that a scene has for its shade go with that shade.
+// The scene to render: read from a scene file, or made around a bare model; options applied, --patches to the OBJ files among the models.
+// Without triangles, --tolerance, --flat and --terminator-fix are refused, and so are the options of other shades. The options that a scene
+// has for its shade go with that shade.
 Result<SceneEntry> scene_for(const RenderOptions& options);
 
 // The set of layers in "all", "none" or a list like "N,P,Z,uv,id".

@@ -67,7 +67,7 @@ Exit tessellate_command(const TessellateOptions& options) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   Times times;
   times.begin = now();
-  const auto model = read_model(options.model);
+  const auto model = read_model(options.model, {options.patches.kind()});
   if (!model) return fail(model.error());
   const auto settings = settings_for(options, *model);
   if (!settings) return fail(settings.error());

@@ -25,7 +25,8 @@ bool same_file(const std::string& a, const std::string& b) {
 
 std::shared_ptr<TessellateOptions> declare_tessellate_options(CLI::App& command) {
   auto options = std::make_shared<TessellateOptions>();
-  command.add_option("MODEL", options->model, "STEP, IGES, BREP, OBJ or BPT file")->required();
+  command.add_option("MODEL", options->model, "STEP, IGES, BREP, OBJ, BPT, IPATCH, GBP, LOP or MP file")->required();
+  declare_patches_option(command, options->patches);
   command.add_option("-o,--output", options->output, "mesh to write: .stl, .obj, .ply or .glb");
   command.add_option("--tolerance", options->tolerance,
                      "allowed distance, either way: 1e-4d (diagonals), 0.05mm, or in units of the model [1e-3d]");

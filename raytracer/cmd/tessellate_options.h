@@ -8,6 +8,7 @@
 
 #include "patches/base/result.h"
 #include "raytracer/cmd/mesh_parts.h"
+#include "raytracer/cmd/patches_option.h"
 
 namespace iso {
 
@@ -15,7 +16,8 @@ struct TessellateOptions {
   std::string model, output, report;  // no output: no mesh is written, no report: none
   std::string tolerance = "1e-3d", trim_tolerance, sew = "auto", measure = "quick", progress = "auto";
   std::optional<double> angle;  // degrees
-  int threads = 0;              // 0: all
+  PatchesOption patches;
+  int threads = 0;  // 0: all
   bool quiet = false;
 };
 

@@ -276,7 +276,7 @@ TEST(Obj, WhatCannotBeUsedIsCountedAndNamed) {
     if (p.kind == Problem::Kind::dropped) dropped += p.count;
   }
   EXPECT_EQ(dropped, 5) << told;
-  for (const char* part : {"line 11: polygons (f); control meshes are later work x2", "line 13: materials",
+  for (const char* part : {"line 11: polygons (f); --patches makes patches of them x2", "line 13: materials",
                            "line 14: statements that are not known, from \"wobble\"", "line 15: space curves",
                            "surf of line 20: cstype cardinal is not supported x1"})
     EXPECT_NE(told.find(part), std::string::npos) << part << " in\n" << told;
@@ -287,7 +287,8 @@ TEST(Obj, APolygonFileIsRefusedAsControlMesh) {
   ASSERT_FALSE(model);
   EXPECT_EQ(model.error().kind, Exit::bad_input);
   EXPECT_EQ(model.error().place, "4");
-  EXPECT_NE(model.error().message.find("Control meshes are later work"), std::string::npos) << model.error().text();
+  EXPECT_NE(model.error().message.find("--patches gregory makes patches of a control mesh's polygons"), std::string::npos)
+      << model.error().text();
 }
 
 // ---- damage ------------------------------------------------------------------------------------------------------------
