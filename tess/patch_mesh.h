@@ -9,6 +9,7 @@
 
 #include <vector>
 
+#include "tess/discrete_curvature.h"
 #include "tess/multisided.h"
 #include "tess/patch_sides.h"
 #include "tess/tessellate.h"
@@ -20,13 +21,6 @@ struct PatchMeshOptions {
   int level = 0;        // segments a side, of all sides; 0: the smallest for `distance`
   double distance = 0;  // world units; with a level: only counts what is beyond it, 0: nothing
   int most = 128;       // levels above are not tried
-};
-
-// A point of the mesh on the surface.
-struct SurfacePlace {
-  int face = -1;
-  UV uv{0.0};
-  bool inside = false;  // its patch, not on its sides
 };
 
 struct PatchMesh {
