@@ -6,7 +6,9 @@
 // to their partners moves no point farther than it moves the corners. So the sum of both holds for the surface from T; and for T from the
 // surface, since the maps of all pieces together take the border of T to itself and so cover T. The charts' map is bilinear: what is
 // straight in a chart is not quite so in the polygon, but along spokes and sides, and the regions of neighbouring triangles fit together.
-// Where the sum is more than wanted a piece is divided in four, in its chart: the partners then come near to the distance itself.
+// Where the sum is more than wanted a piece is divided in four, in its chart. What is left is conservative: a shift of S(q) along the
+// surface away from its edge counts as distance (up to some five times the true one for coarse fans), and so does the spline beside the
+// charts.
 #pragma once
 
 #include <span>
