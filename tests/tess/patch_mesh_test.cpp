@@ -96,6 +96,7 @@ TEST(PatchMesh, ModelsAreWatertightByEveryStrategy) {
       ASSERT_TRUE(patches);
       for (const Strategy strategy : kStrategies)
         for (const int level : {1, 3, 4}) {
+          if (file == kSpot && strategy != Strategy::symmetric_quads) continue;
           if (level != 3 && (file == kSpot || kind != MeshPatches::gregory)) continue;
           const PatchMeshOptions options{.strategy = strategy, .level = level};
           SCOPED_TRACE(std::string(file) + ", " + told(options));
@@ -110,7 +111,7 @@ TEST(PatchMesh, ModelsAreWatertightByEveryStrategy) {
           ++checked;
         }
     }
-  EXPECT_EQ(checked, 4 * (3 + 1 + 1) + 4);
+  EXPECT_EQ(checked, 4 * (3 + 1 + 1) + 1);
 }
 
 TEST(PatchMesh, SharedSidesAreTheSamePoints) {
@@ -133,7 +134,7 @@ TEST(PatchMesh, SharedSidesAreTheSamePoints) {
 TEST(PatchMesh, AToleranceIsKeptWithLevelsThatNeighboursAgreeOn) {
   int uneven = 0, checked = 0;
   for (const Strategy strategy : kStrategies)
-    for (const double share : {2e-2, 5e-3}) {
+    for (const double share : {1e-2}) {
       const Part part = part_of(kCuboctahedron);
       const PatchMeshOptions options{.strategy = strategy, .distance = share * part.box.diagonal()};
       SCOPED_TRACE(told(options));
@@ -149,7 +150,7 @@ TEST(PatchMesh, AToleranceIsKeptWithLevelsThatNeighboursAgreeOn) {
       for (const FaceReport& face : mesh.made.faces) EXPECT_EQ(face.unresolved, 0);
       ++checked;
     }
-  EXPECT_EQ(checked, 8);
+  EXPECT_EQ(checked, 4);
   EXPECT_GT(uneven, 0);
 }
 
@@ -179,7 +180,7 @@ TEST(PatchMesh, DamageShows) {
 
 TEST(PatchMesh, ErrorsFallWithTheSquareOfTheLevel) {
   int checked = 0;
-  for (const int n : {3, 5, 6, 8})
+  for (const int n : {5, 8})
     for (const Strategy strategy : kStrategies) {
       const Part part = bowl(n, 0.6);
       std::vector<double> rms;
@@ -191,7 +192,7 @@ TEST(PatchMesh, ErrorsFallWithTheSquareOfTheLevel) {
       EXPECT_NEAR(std::log(rms[0] / rms[1]) / std::log(4.0), 2, 0.2);
       ++checked;
     }
-  EXPECT_EQ(checked, 16);
+  EXPECT_EQ(checked, 8);
 }
 
 // Where no spline stands beside the charts: its own distance is in every bound.
