@@ -68,6 +68,11 @@ Json json_of(const ReportImages& images) {
           {"silhouette_pixels", images.silhouette_pixels}};
 }
 
+Json json_of(const std::optional<CurvatureError>& error) {
+  if (!error) return {};
+  return {{"points", error->points}, {"max", error->max}, {"rms", error->rms}, {"largest", error->largest}};
+}
+
 Json faults_json(const MeshComparison& comparison) {
   Json list = Json::array();
   for (const FaultFound& f : comparison.faults)
@@ -148,6 +153,9 @@ Json mesh_json(const CompareReport& report, const ReportMesh& mesh) {
             {"verdict", mesh.verdict},
             {"points", mesh.points},
             {"triangles", mesh.triangles},
+            {"strategy", text_or_null(mesh.strategy)},
+            {"level", mesh.level ? Json(*mesh.level) : Json()},
+            {"mean_curvature", json_of(mesh.curvature)},
             {"width", positive_or_null(mesh.width)},
             {"faults", faults_json(c)},
             {"distance",
@@ -194,9 +202,16 @@ std::string cell(const std::string& text) {
 constexpr const char* kColumns =
     "mesh,scope,placed,face,name,triangles,area,covered,inward,distance,to_surface_max,to_surface_mean,to_surface_rms,to_surface_p99.9,"
     "to_surface_bound,to_mesh_max,to_mesh_mean,to_mesh_rms,to_mesh_p99.9,to_mesh_bound,normal_angle_max,normal_angle_mean,slivers,"
-    "smallest_angle,open_edges\r\n";
+    "smallest_angle,open_edges,strategy,level,mean_curvature_max,mean_curvature_rms\r\n";
 
-// What rows of faces and of meshes have in common: all columns from `triangles` on.
+// The last columns: of meshes.
+std::string strategy_cells(const ReportMesh& mesh) {
+  std::string row = "," + mesh.strategy + "," + (mesh.level ? std::to_string(*mesh.level) : "");
+  if (!mesh.curvature) return row + ",,";
+  return row + "," + json_number(mesh.curvature->max) + "," + json_number(mesh.curvature->rms);
+}
+
+// What rows of faces and of meshes have in common: the columns from `triangles` on, but for the last four.
 std::string figure_cells(const FaceComparison& f, std::uint64_t triangles, std::uint64_t open_edges) {
   std::string row = fmt::format(",{}", triangles);
   const auto add = [&](double x) { row += "," + json_number(x); };
@@ -206,7 +221,7 @@ std::string figure_cells(const FaceComparison& f, std::uint64_t triangles, std::
   for (const double x : {kDegrees * f.worst_angle, kDegrees * f.mean_angle}) add(x);
   row += fmt::format(",{}", f.shapes.slivers);
   add(smallest_angle(f.shapes));
-  return row + fmt::format(",{}\r\n", open_edges);
+  return row + fmt::format(",{}", open_edges);
 }
 
 }  // namespace
@@ -244,11 +259,12 @@ std::string compare_csv(const CompareReport& report) {
   std::string text = kColumns;
   for (const ReportMesh& mesh : report.meshes) {
     const MeshComparison& c = mesh.comparison;
-    text += cell(mesh.label) + ",mesh,,," + figure_cells(c.all, mesh.triangles, c.topology.open_edges.count);
+    text +=
+        cell(mesh.label) + ",mesh,,," + figure_cells(c.all, mesh.triangles, c.topology.open_edges.count) + strategy_cells(mesh) + "\r\n";
     for (std::size_t i = 0; i < c.faces.size(); ++i) {
       const FaceComparison& f = c.faces[i];
       text += cell(mesh.label) + fmt::format(",face,{},{},", f.placed, f.face) + cell(face_name(report, c, i)) +
-              figure_cells(f, f.triangles, f.open_edges);
+              figure_cells(f, f.triangles, f.open_edges) + ",,,,\r\n";
     }
   }
   return text;

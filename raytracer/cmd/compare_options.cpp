@@ -8,6 +8,7 @@
 #include "raytracer/sampling.h"
 #include "raytracer/shading.h"
 #include "raytracer/tolerance.h"
+#include "tess/multisided.h"
 
 namespace iso {
 namespace {
@@ -35,6 +36,10 @@ std::shared_ptr<CompareOptions> declare_compare_options(CLI::App& command) {
   command.add_option("-o,--output", options->output, "folder for index.html, report.json, table.csv and the pictures; left out: only told");
   command.add_option("--tolerances", options->tolerances,
                      "our meshes: distances with commas, like 1e-3d,0.05mm [1e-2d,1e-3d,1e-4d without --mesh]");
+  command.add_flag("--strategies", options->strategies,
+                   "patches with any number of sides: the adaptive tessellator and all four patterns for each of --tolerances [1e-3d]");
+  command.add_option("--level", options->level, "--strategies: the patterns with so many segments a side, in place of tolerances")
+      ->check(CLI::Range(1, kMostLevel));
   command.add_option("--mesh", options->meshes, "somebody's mesh: .stl, .obj, .ply, .glb or .gltf; again for more")
       ->allow_extra_args(false);
   command.add_option("--mesh-unit", options->mesh_unit, "unit of the meshes' coordinates [the model's, glTF metres]")
@@ -68,6 +73,9 @@ Status check_request(const CompareOptions& options) {
   if ((options.pixels || options.flip) && !options.advise) return bad_option("--pixels and --flip need --advise");
   if (options.pixels && options.flip) return bad_option("--pixels and --flip: expected one of them");
   if (options.flip && options.no_pictures) return bad_option("--flip needs the pictures that --no-pictures leaves out");
+  if (options.level && !options.strategies) return bad_option("--level needs --strategies");
+  if (options.level && !options.tolerances.empty()) return bad_option("--level and --tolerances: expected one of them");
+  if (options.strategies && options.advise) return bad_option("--strategies and --advise: expected one of them");
   if (options.mesh_unit && options.meshes.empty()) return bad_option("--mesh-unit needs --mesh");
   for (const auto& [value, name] :
        {std::pair{options.pixels, "--pixels"}, {options.flip, "--flip"}, {options.fail_normal, "--fail-normal"}})
@@ -81,7 +89,8 @@ Status check_request(const CompareOptions& options) {
 
 Result<std::vector<Tolerance>> tolerances_of(const CompareOptions& options) {
   std::string list = options.tolerances;
-  if (list.empty() && options.meshes.empty() && !options.advise) list = "1e-2d,1e-3d,1e-4d";
+  if (list.empty() && options.strategies && !options.level) list = "1e-3d";
+  if (list.empty() && !options.strategies && options.meshes.empty() && !options.advise) list = "1e-2d,1e-3d,1e-4d";
   std::vector<Tolerance> found;
   for (std::size_t begin = 0; !list.empty() && begin <= list.size();) {
     const std::size_t end = std::min(list.find(',', begin), list.size());

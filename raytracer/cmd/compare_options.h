@@ -15,7 +15,9 @@ namespace iso {
 
 struct CompareOptions {
   std::string input, output;
-  std::string tolerances;  // with commas
+  std::string tolerances;   // with commas
+  bool strategies = false;  // each way to divide patches with any number of sides
+  std::optional<int> level;
   std::vector<std::string> meshes;
   std::optional<std::string> mesh_unit, reference;
   bool advise = false;
@@ -41,7 +43,7 @@ std::shared_ptr<CompareOptions> declare_compare_options(CLI::App& command);
 // What contradicts itself is an error.
 Status check_request(const CompareOptions& options);
 
-// The tolerances asked for; 1e-2d, 1e-3d, 1e-4d where neither they nor meshes were.
+// The tolerances asked for; 1e-2d, 1e-3d, 1e-4d where neither they nor meshes were, 1e-3d of strategies without a level.
 Result<std::vector<Tolerance>> tolerances_of(const CompareOptions& options);
 
 // As `render` would be asked for the same picture.

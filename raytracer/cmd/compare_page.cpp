@@ -28,8 +28,8 @@ std::string top(const CompareReport& report) {
 
 // Links to the sections that are there.
 std::string contents(const std::string& body) {
-  const char* names[][2] = {{"meshes", "Meshes"}, {"pictures", "Pictures"}, {"images", "Differences"}, {"cost", "Cost"},
-                            {"charts", "Charts"}, {"faces", "Faces"},       {"method", "Method"}};
+  const char* names[][2] = {{"meshes", "Meshes"}, {"strategies", "Strategies"}, {"pictures", "Pictures"}, {"images", "Differences"},
+                            {"cost", "Cost"},     {"charts", "Charts"},         {"faces", "Faces"},       {"method", "Method"}};
   std::string text = "<nav aria-label=\"Sections\">";
   for (const auto& [id, name] : names)
     if (body.find(fmt::format("<section id=\"{}\">", id)) != std::string::npos) text += fmt::format("<a href=\"#{}\">{}</a> ", id, name);
@@ -83,8 +83,8 @@ std::string method(const CompareReport& report) {
 }  // namespace
 
 std::string compare_page(const CompareReport& report) {
-  const std::string body = mesh_section(report) + picture_section(report) + image_section(report) + cost_section(report) +
-                           chart_section(report) + face_section(report) + method(report);
+  const std::string body = mesh_section(report) + strategy_section(report) + picture_section(report) + image_section(report) +
+                           cost_section(report) + chart_section(report) + face_section(report) + method(report);
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
          "<meta name=\"color-scheme\" content=\"light dark\">\n" +

@@ -44,20 +44,28 @@ glm::vec3 code_values(const glm::vec4& pixel) {
   return {code(pixel.r), code(pixel.g), code(pixel.b)};
 }
 
+template <class F>
+Integrator painted(const Tracer& tracer, F value_of) {
+  return [&tracer, value_of](const PrimaryHits& batch, std::span<glm::vec4> out, SolverStats&) {
+    for (std::size_t i = 0; i < batch.hits.size(); ++i) {
+      const Hit& hit = batch.hits[i];
+      if (!hit) continue;
+      const double value = value_of(tracer.surface_point(hit), hit);
+      out[i] = finite(value) ? glm::vec4(static_cast<float>(value), 1.0f, 0.0f, 1.0f) : glm::vec4(0.0f, 0.0f, 0.0f, 1.0f);
+    }
+  };
+}
+
 bool covered(const glm::vec4& pixel) { return pixel.a > 0.5f; }
 
 }  // namespace
 
 Integrator painted_field(const Tracer& tracer, const SurfaceField& field) {
-  return [&tracer, field](const PrimaryHits& batch, std::span<glm::vec4> out, SolverStats&) {
-    for (std::size_t i = 0; i < batch.hits.size(); ++i) {
-      const Hit& hit = batch.hits[i];
-      if (!hit) continue;
-      const SurfacePoint at = tracer.surface_point(hit);
-      const double value = field(at.p, at.n, hit.placed, hit.face);
-      out[i] = finite(value) ? glm::vec4(static_cast<float>(value), 1.0f, 0.0f, 1.0f) : glm::vec4(0.0f, 0.0f, 0.0f, 1.0f);
-    }
-  };
+  return painted(tracer, [field](const SurfacePoint& at, const Hit& hit) { return field(at.p, at.n, hit.placed, hit.face); });
+}
+
+Integrator painted_mean_curvature(const Tracer& tracer) {
+  return painted(tracer, [](const SurfacePoint& at, const Hit&) { return 0.5 * (at.k1 + at.k2); });
 }
 
 std::vector<double> field_values(const Film& film) {

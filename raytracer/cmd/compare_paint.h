@@ -15,6 +15,9 @@ using SurfaceField = std::function<double(const Point3& point, const Vec3& norma
 // samples, so that `field_values` gives means.
 Integrator painted_field(const Tracer& tracer, const SurfaceField& field);
 
+// The mean curvature of the exact surface at its hits, likewise; 1 / world unit.
+Integrator painted_mean_curvature(const Tracer& tracer);
+
 // The mean of what is known in each pixel; NaN where nothing is.
 std::vector<double> field_values(const Film& film);
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "raytracer/difference_pictures.h"
 #include "raytracer/display_transform.h"
 #include "raytracer/exr_writer.h"
@@ -108,6 +110,7 @@ struct FieldToPaint {
   std::string unit;
   double factor;  // from the field's unit to the one that is shown
   std::optional<double> scale;
+  std::optional<ReportLegend> legend = {};  // in place of one from 0 to `scale`
 };
 
 Result<PictureFile> field_file(Pictures& pictures, const std::string& name, const Tracer& exact, const FieldToPaint& what, int samples) {
@@ -118,6 +121,7 @@ Result<PictureFile> field_file(Pictures& pictures, const std::string& name, cons
   for (double& value : values) plane.values.push_back(static_cast<float>(value *= what.factor));
   ReportLegend legend{what.key, what.unit, 0, largest_of(values), even_scale()};
   if (what.scale) legend.hi = what.factor * *what.scale;
+  if (what.legend) legend = *what.legend;
   bool unknown = false;
   for (std::size_t i = 0; i < values.size(); ++i) unknown = unknown || (std::isnan(values[i]) && film->rgba[i].a > 0);
   ReportPicture picture{what.key, what.title + std::string(unknown ? "; grey: not known" : ""), {}, {}, std::move(legend)};
@@ -218,9 +222,29 @@ Result<DirectPicture> picture_direct(const Tracer& exact, const PictureSettings&
   return direct;
 }
 
+Result<PictureFile> picture_curvature(const Tracer& exact, const PictureSettings& settings, const PictureProgress& progress) {
+  Pictures pictures(settings, progress, 1);
+  const auto film = pictures.painted(exact, painted_mean_curvature(exact), settings.painted_samples);
+  if (!film) return film.error();
+  const std::vector<double> values = field_values(*film);
+  NamedPlane plane{"H", {}};
+  std::vector<double> known;
+  for (const double value : values) {
+    plane.values.push_back(static_cast<float>(value));
+    if (finite(value)) known.push_back(value);
+  }
+  std::sort(known.begin(), known.end());
+  const std::size_t left_out = known.size() / 100;
+  ReportLegend legend{"mean-curvature", "1/" + (settings.unit.empty() ? std::string("model unit") : settings.unit), 0, 0, even_scale()};
+  if (!known.empty()) legend.lo = known[left_out], legend.hi = known[known.size() - 1 - left_out];
+  ReportPicture picture{"mean-curvature", "Mean curvature, positive where the surface bends toward its outward normal", {}, {}, legend};
+  const Image shown = scale_picture(values, pictures.image_of(*film), *picture.legend);
+  return pictures.drawn_file({}, std::move(picture), shown, std::move(plane));
+}
+
 Result<MeshPictures> pictures_of(const MeshToShow& mesh, const Tracer& exact, const DirectPicture& direct, const PictureSettings& settings,
                                  const PictureProgress& progress) {
-  Pictures pictures(settings, progress, 2 + bool(mesh.deviation) + bool(mesh.normal_error));
+  Pictures pictures(settings, progress, 2 + bool(mesh.deviation) + bool(mesh.normal_error) + bool(mesh.curvature));
   MeshPictures result;
   const auto film = pictures.lit(*mesh.tracer);
   if (!film) return film.error();
@@ -240,7 +264,10 @@ Result<MeshPictures> pictures_of(const MeshToShow& mesh, const Tracer& exact, co
       "deviation", "Distance of the mesh, on the exact surface", "deviation", mesh.deviation, unit, 1, settings.deviation_scale};
   const FieldToPaint angle{
       "normals", "Angle between the mesh and the exact surface", "angle", mesh.normal_error, "degrees", 180 / kPi, settings.normal_scale};
-  for (const FieldToPaint* field : {&distance, &angle})
+  const FieldToPaint curvature{
+      "discrete-curvature", "Discrete mean curvature of the mesh, on the exact surface", "H", mesh.curvature, {}, 1, {},
+      mesh.curvature_scale};
+  for (const FieldToPaint* field : {&distance, &angle, &curvature})
     if (field->field) steps.push_back([&, field] { return field_file(pictures, mesh.name, exact, *field, settings.painted_samples); });
   steps.push_back([&] { return facets_file(pictures, mesh, settings); });
   for (const auto& step : steps) {

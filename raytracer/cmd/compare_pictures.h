@@ -57,14 +57,19 @@ struct DirectPicture {
 };
 Result<DirectPicture> picture_direct(const Tracer& exact, const PictureSettings& settings, const PictureProgress& progress);
 
+// The exact surface's mean curvature, with a scale that leaves out one pixel of a hundred at each end.
+Result<PictureFile> picture_curvature(const Tracer& exact, const PictureSettings& settings, const PictureProgress& progress);
+
 struct MeshToShow {
   const Tracer* tracer = nullptr;        // of the scene with the mesh in the surfaces' place
   std::string name;                      // files are called NAME-deviation.exr
   bool smooth = true;                    // its normals are not the triangles' own; for the title
   SurfaceField deviation, normal_error;  // at exact hits: world units, radians; empty: not painted
+  SurfaceField curvature = {};           // of the mesh, likewise; 1 / world unit
+  std::optional<ReportLegend> curvature_scale = {};
 };
 struct MeshPictures {
-  std::vector<PictureFile> files;  // tessellated, difference, silhouette, deviation, normals, facets
+  std::vector<PictureFile> files;  // tessellated, difference, silhouette, deviation, normals, curvature, facets
   ReportImages images;
 };
 Result<MeshPictures> pictures_of(const MeshToShow& mesh, const Tracer& exact, const DirectPicture& direct, const PictureSettings& settings,

@@ -7,6 +7,7 @@
 
 #include "raytracer/camera.h"
 #include "raytracer/image_metrics.h"
+#include "tess/discrete_curvature.h"
 #include "tess/mesh_comparison.h"
 
 namespace iso {
@@ -21,7 +22,7 @@ struct ReportLegend {
 
 // One picture: kept as EXR beside the page, and shown in it.
 struct ReportPicture {
-  std::string key;                          // "direct", "tessellated", "difference", "silhouette", "deviation", "normals", "facets"
+  std::string key;                          // "direct", "tessellated", "difference", "silhouette", "deviation", "normals", "facets", ...
   std::string title;                        // for people
   std::string file;                         // the EXR's name in the report's folder; may be empty
   std::string png;                          // bytes, display-encoded
@@ -50,6 +51,10 @@ struct ReportMesh {
   double tolerance = 0;              // ours: world units
   std::optional<double> guaranteed;  // ours: the tessellator's own bound, with the edges' gap
   std::vector<std::string> broken;   // ours: promises not kept
+  std::string strategy;              // ours, of a comparison of strategies: "adaptive" or a pattern's name
+  std::optional<int> level;          // of a pattern that was asked for by level
+  // Of points inside patches with any number of sides: the mesh's mean curvature against the surface's, 1 / world unit.
+  std::optional<CurvatureError> curvature;
   std::uint64_t points = 0, triangles = 0;
   double width = 0;  // ours: of the triangles on curved faces, compare_slope.h; 0: unknown
   MeshComparison comparison;

@@ -38,6 +38,31 @@ ForeignMesh mesh_of(const TraceScene& scene) {
   return all;
 }
 
+// The discrete mean curvature at the points of `mesh_of`.
+std::vector<double> curvature_of(const TraceScene& scene) {
+  std::vector<double> all;
+  for (const Placed& placed : scene.placed)
+    for (const double H : discrete_mean_curvature(*placed.mesh)) all.push_back(H / stretch_of(placed.to_world));
+  return all;
+}
+
+// Of all parts together; what is far larger than the rest shows.
+std::optional<CurvatureError> curvature_error_of(const MeshFigures& figures) {
+  CurvatureError all;
+  for (const PartFigures& part : figures.parts) {
+    if (!part.curvature) return {};
+    const CurvatureError& one = *part.curvature;
+    const auto points = static_cast<double>(all.points + one.points);
+    if (points > 0)
+      all.rms =
+          std::sqrt((static_cast<double>(all.points) * all.rms * all.rms + static_cast<double>(one.points) * one.rms * one.rms) / points);
+    all.points += one.points;
+    all.max = std::max(all.max, one.max);
+    all.largest = std::max(all.largest, one.largest);
+  }
+  return all;
+}
+
 // Our own mesh stands where the model is. What a coarse one looks like from its box alone is no fault of it.
 void forget_misplaced(ReportMesh& mesh) {
   if (std::erase_if(mesh.comparison.faults, [](const FaultFound& f) { return f.fault <= MeshFault::placement; }) > 0)
@@ -59,6 +84,7 @@ struct CompareRun::Scene {
   std::unique_ptr<Tracer> exact;
   PictureSettings pictures;
   std::optional<DirectPicture> direct;
+  std::optional<ReportLegend> curvature;  // the scale of the exact surface's
 };
 
 CompareRun::CompareRun(const CompareOptions& options, int threads)
@@ -122,6 +148,11 @@ Status CompareRun::check_request() {
     if (!reference) return reference.error();
     reference_ = *reference;
   }
+  if (options_.strategies) {
+    std::vector<const Part*> parts;
+    for (const PlacedPart& placed : scene_->parts) parts.push_back(placed.part);
+    if (const auto fits = check_patches(parts, options_.input, "--strategies"); !fits) return fits.error();
+  }
   if (options_.mesh_unit && !metres_of(report_.unit))
     return Error{Exit::bad_command_line, options_.input, {}, "--mesh-unit: the model's own unit is not known"};
   for (const std::string& path : options_.meshes) {
@@ -172,6 +203,13 @@ Status CompareRun::start_pictures() {
   if (const auto kept = (*keep_)({direct->file.picture.file, direct->file.exr}); !kept) return kept;
   report_.pictures.push_back(direct->file.picture);
   direct->file.exr.clear();
+  if (options_.strategies) {
+    auto curvature = picture_curvature(exact, settings, {interrupt_.flag(), {}});
+    if (!curvature) return curvature.error();
+    if (const auto kept = (*keep_)({curvature->picture.file, curvature->exr}); !kept) return kept;
+    report_.pictures.push_back(std::move(curvature->picture));
+    scene_->curvature = report_.pictures.back().legend;
+  }
   scene_->direct = std::move(*direct);
   return Done{};
 }
@@ -192,6 +230,16 @@ Status CompareRun::add_pictures(ReportMesh& mesh, const ForeignMesh& triangles, 
     const Vec3 m = glm::cross(triangles.points[t[1]] - triangles.points[t[0]], triangles.points[t[2]] - triangles.points[t[0]]);
     return m == Vec3(0.0) || n == Vec3(0.0) ? std::nan("") : std::atan2(glm::length(glm::cross(n, m)), glm::dot(n, m));
   };
+  std::vector<double> curvature;
+  if (scene_->curvature && mesh.curvature) {
+    curvature = curvature_of(scene);
+    shown.curvature_scale = scene_->curvature;
+    shown.curvature = [&](const Point3& p, const Vec3&, std::int32_t, std::int32_t) {
+      const TriangleTree::Nearest at = tree.nearest(p);
+      const PointTriangle& t = triangles.triangles[at.triangle];
+      return at.weights.x * curvature[t[0]] + at.weights.y * curvature[t[1]] + at.weights.z * curvature[t[2]];
+    };
+  }
   auto pictures = pictures_of(shown, *scene_->exact, *scene_->direct, scene_->pictures, {interrupt_.flag(), {}});
   if (!pictures) return pictures.error();
   mesh.images = pictures->images;
@@ -224,17 +272,24 @@ Status CompareRun::compare(ReportMesh& mesh, const ForeignMesh& triangles, const
   return Done{};
 }
 
-Status CompareRun::compare_ours(const Tolerance& tolerance, bool pictures) {
+Status CompareRun::compare_ours(const Tolerance& tolerance, bool pictures, const std::optional<PatternSettings>& pattern) {
   LoadedModels meshed = scene_->loaded;
   MeshRequest request;
   request.tolerance = tolerance;
   request.tolerance_name = "--tolerances";
-  const auto figures = tessellate_scene(meshed, request, [this](int done, int all) { go_on(done, all); });
+  const auto figures = tessellate_scene(
+      meshed, request, [this](int done, int all) { go_on(done, all); }, pattern);
   progress_.finish();
   if (!figures) return figures.error();
   ReportMesh mesh;
   mesh.label = text_of(tolerance, report_.unit);
   mesh.ours = true;
+  if (options_.strategies) {
+    mesh.strategy = strategy_name(pattern);
+    if (pattern && pattern->level > 0) mesh.level = pattern->level;
+    mesh.label = mesh.strategy + (mesh.level ? fmt::format(", level {}", *mesh.level) : ", " + mesh.label);
+    mesh.curvature = curvature_error_of(*figures);
+  }
   mesh.tolerance = figures->settings.distance;
   const MeshTotals totals = totals_of(*figures);
   mesh.guaranteed = totals.bound + totals.offset;
@@ -245,6 +300,22 @@ Status CompareRun::compare_ours(const Tolerance& tolerance, bool pictures) {
   if (triangles.triangles.empty())
     return Error{Exit::promise_not_kept, options_.input, {}, fmt::format("{}: no face could be meshed", mesh.label)};
   return compare(mesh, triangles, meshed.scene, pictures);
+}
+
+// With a level the adaptive tessellator comes last, and keeps what the best of the patterns has proven.
+Status CompareRun::compare_strategies() {
+  for (const Tolerance& tolerance : tolerances_) {
+    if (const auto done = compare_ours(tolerance, true); !done) return done;
+    for (const Strategy strategy : kStrategies)
+      if (const auto done = compare_ours(tolerance, true, PatternSettings{strategy, 0}); !done) return done;
+  }
+  if (!options_.level) return Done{};
+  double best = kInf;
+  for (const Strategy strategy : kStrategies) {
+    if (const auto done = compare_ours({1, ToleranceUnit::diagonal}, true, PatternSettings{strategy, *options_.level}); !done) return done;
+    best = std::min(best, report_.meshes.back().guaranteed.value_or(kInf));
+  }
+  return best > 0 && best < report_.diagonal ? compare_ours({best, ToleranceUnit::model}, true) : Status(Done{});
 }
 
 Status CompareRun::compare_theirs(ForeignMesh triangles) {
@@ -298,8 +369,12 @@ Status CompareRun::compare_all() {
   if (const auto checked = check_request(); !checked) return checked;
   if (interrupt_.flag()) return interrupted_error();
   if (const auto started = start_pictures(); !started) return started;
-  for (const Tolerance& tolerance : tolerances_)
-    if (const auto done = compare_ours(tolerance, true); !done) return done;
+  if (options_.strategies) {
+    if (const auto done = compare_strategies(); !done) return done;
+  } else {
+    for (const Tolerance& tolerance : tolerances_)
+      if (const auto done = compare_ours(tolerance, true); !done) return done;
+  }
   for (ForeignMesh& mesh : meshes_)
     if (const auto done = compare_theirs(std::move(mesh)); !done) return done;
   return options_.advise ? advise() : Status(Done{});

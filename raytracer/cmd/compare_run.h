@@ -36,7 +36,8 @@ class CompareRun {
   Status load();
   Status check_request();
   Status start_pictures();
-  Status compare_ours(const Tolerance& tolerance, bool pictures);
+  Status compare_ours(const Tolerance& tolerance, bool pictures, const std::optional<PatternSettings>& pattern = {});
+  Status compare_strategies();
   Status compare_theirs(ForeignMesh triangles);
   Status compare(ReportMesh& mesh, const ForeignMesh& triangles, const TraceScene& scene, bool pictures);
   Status add_pictures(ReportMesh& mesh, const ForeignMesh& triangles, const TraceScene& scene);

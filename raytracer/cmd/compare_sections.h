@@ -6,8 +6,9 @@
 namespace iso {
 
 // compare_tables.cpp
-std::string mesh_section(const CompareReport& report);   // what was found wrong, and the table of distances, normals and topology
-std::string image_section(const CompareReport& report);  // metrics of pictures
+std::string mesh_section(const CompareReport& report);      // what was found wrong, and the table of distances, normals and topology
+std::string strategy_section(const CompareReport& report);  // strategies beside each other
+std::string image_section(const CompareReport& report);     // metrics of pictures
 std::string cost_section(const CompareReport& report);
 std::string face_section(const CompareReport& report);  // the worst faces of each mesh
 

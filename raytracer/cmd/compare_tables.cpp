@@ -203,6 +203,29 @@ std::string mesh_section(const CompareReport& report) {
          "promise of the mesh's maker, where there is one, rests on that and is often closer.</p>\n</section>\n";
 }
 
+std::string strategy_section(const CompareReport& report) {
+  bool any = false;
+  for (const ReportMesh& mesh : report.meshes) any = any || !mesh.strategy.empty();
+  if (!any) return {};
+  const std::string per_unit = report.unit.empty() ? "1/model unit" : "1/" + report.unit;
+  const auto curvature = [](double CurvatureError::*member) {
+    return [member](const ReportMesh& m) { return m.curvature ? (*m.curvature).*member : kUnknown; };
+  };
+  const std::vector<Row> rows{
+      count_row("Triangles", [](const ReportMesh& m) { return m.triangles; }),
+      number_row("Distance, found", unit_text(report), [&](const ReportMesh& m) { return distance_of(report, m.comparison).max; }),
+      optional_row("Distance, proven when it was made", unit_text(report),
+                   [](const ReportMesh& m) { return m.guaranteed.value_or(kUnknown); }),
+      optional_row("Mean curvature, largest error", per_unit, curvature(&CurvatureError::max)),
+      optional_row("Mean curvature, root mean square error", per_unit, curvature(&CurvatureError::rms)),
+      optional_row("Mean curvature of the surface, largest", per_unit, curvature(&CurvatureError::largest)),
+      count_row("Points it was taken at", [](const ReportMesh& m) { return m.curvature ? m.curvature->points : 0; })};
+  return "<section id=\"strategies\">\n<h2>Strategies</h2>\n" +
+         boxed("Strategies", "<table>\n" + head(report) + group(report, "", rows) + "</table>\n") +
+         "<p class=\"soft\">The discrete mean curvature, by cotangents, at points inside patches against the surface's: where triangles "
+         "change their size abruptly it goes wrong, however near they are.</p>\n</section>\n";
+}
+
 std::string image_section(const CompareReport& report) {
   bool any = false;
   for (const ReportMesh& mesh : report.meshes) any = any || !mesh.pictures.empty();

@@ -51,6 +51,10 @@ Json json_of(const MeshReport& check) {
           {"smallest_angle", check.shapes.smallest_angle}};
 }
 
+Json json_of(const CurvatureError& error) {
+  return {{"points", error.points}, {"max", error.max}, {"rms", error.rms}, {"largest", error.largest}};
+}
+
 // What faces and parts have in common.
 void add_figures(Json& json, const FaceFigures& f) {
   json["triangles"] = f.report.triangles;
@@ -115,6 +119,9 @@ std::string part_text(const PartFigures& part) {
             {"unresolved_edges", part.unresolved_edges},
             {"worst_face", part.worst_face < 0 ? Json() : Json(part.worst_face)}};
   add_figures(json, part.all);
+  json["levels"] = part.most_level > 0 ? Json{part.least_level, part.most_level} : Json();
+  json["quads"] = part.most_level > 0 ? Json(part.quads) : Json();
+  json["mean_curvature"] = part.curvature ? json_of(*part.curvature) : Json();
   json["turned_faces"] = part.turned;
   json["sewing"] = json_of(part.joins);
   json["topology"] = json_of(part.check);
@@ -152,8 +159,10 @@ std::string report_json(const MeshFigures& figures, const std::vector<std::strin
   const Json json{{"isophote", head.version},
                   {"file", head.file},
                   {"unit", figures.unit.empty() ? Json() : Json(figures.unit)},
-                  {"tolerance", s.distance},
-                  {"trim_tolerance", s.trim > 0 ? s.trim : s.distance},
+                  {"strategy", strategy_name(s.pattern)},
+                  {"level", s.pattern && s.pattern->level > 0 ? Json(s.pattern->level) : Json()},
+                  {"tolerance", s.distance > 0 ? Json(s.distance) : Json()},
+                  {"trim_tolerance", s.pattern ? Json() : Json(s.trim > 0 ? s.trim : s.distance)},
                   {"angle", kDegrees * s.angle},
                   {"sampling", s.sampling == Sampling::quick ? "quick" : "fine"},
                   {"kept", broken.empty()},

@@ -79,7 +79,7 @@ void take_figures(PartFigures& out, const PartTessellation& made, const Deviatio
   bool within = true, contradicts = false;
   for (std::size_t f = 0; f < made.faces.size(); ++f) {
     FaceFigures face = figures_of(made.faces[f], deviation.faces[f], out.stretch, place);
-    face.within = made.faces[f].bound <= distance;
+    face.within = !(distance > 0) || made.faces[f].bound <= distance;
     face.contradicts = deviation.faces[f].worst > made.faces[f].bound + made.faces[f].offset + rounding;
     within = within && face.within;
     contradicts = contradicts || face.contradicts;
@@ -93,7 +93,45 @@ void take_figures(PartFigures& out, const PartTessellation& made, const Deviatio
   out.worst_face = deviation.worst_face;
 }
 
+// By patterns or not. `cut` is empty where the mesh itself can be measured.
+PatchMesh made_of(const Part& part, const MeshSettings& settings, double stretch) {
+  const double distance = settings.distance / stretch;
+  if (settings.pattern)
+    return mesh_patches(part, {.strategy = settings.pattern->strategy, .level = settings.pattern->level, .distance = distance});
+  PatchMesh out;
+  out.made = tessellate(part, {distance, settings.trim / stretch, settings.angle, settings.sew / stretch});
+  if (patches_of(part)) out.places = places_of(part, out.made.mesh);
+  return out;
+}
+
+void take_patterns(PartFigures& out, const PatchMesh& made) {
+  if (!made.places.empty()) {
+    CurvatureError error = curvature_error(*out.part, discrete_mean_curvature(made.made.mesh), made.places);
+    for (double* value : {&error.max, &error.rms, &error.largest}) *value /= out.stretch;
+    out.curvature = error;
+  }
+  out.quads = made.quads;
+  for (const PatternLevels& levels : made.levels) {
+    std::vector<int> all = levels.of_side;
+    all.push_back(levels.inner);
+    for (const int level : all) {
+      out.least_level = out.least_level == 0 ? level : std::min(out.least_level, level);
+      out.most_level = std::max(out.most_level, level);
+    }
+  }
+}
+
 }  // namespace
+
+Status check_patches(std::span<const Part* const> parts, const std::string& file, const std::string& option) {
+  for (const Part* part : parts) {
+    const auto patches = patches_of(*part);
+    if (patches) continue;
+    const Error& why = patches.error();
+    return Error{Exit::bad_command_line, file, {}, option + ": " + why.place + " " + why.message};
+  }
+  return Done{};
+}
 
 MeshFigures mesh_parts(const std::vector<PartToMesh>& parts, const MeshSettings& settings, ModelMesh& meshes,
                        const std::function<void(int, int)>& progress) {
@@ -112,14 +150,15 @@ MeshFigures mesh_parts(const std::vector<PartToMesh>& parts, const MeshSettings&
     const auto step = [&] { progress(done += static_cast<int>(p.part->faces.size()), steps); };
 
     Clock clock;
-    const double distance = settings.distance / out.stretch;
-    PartTessellation made = tessellate(*p.part, {distance, settings.trim / out.stretch, settings.angle, settings.sew / out.stretch});
+    PatchMesh whole = made_of(*p.part, settings, out.stretch);
+    PartTessellation& made = whole.made;
+    const bool by_patterns = settings.pattern.has_value();
     figures.mesh_seconds += clock.lap();
     step();
-    const Deviation deviation = measure(*p.part, made.mesh, settings.sampling);
+    const Deviation deviation = measure(*p.part, by_patterns ? whole.cut : made.mesh, settings.sampling);
     figures.measure_seconds += clock.lap();
     step();
-    out.check = verify(*p.part, made.mesh, notes_of(made));
+    out.check = by_patterns ? verify(*p.part, whole) : verify(*p.part, made.mesh, notes_of(made));
     figures.verify_seconds += clock.lap();
     step();
 
@@ -128,7 +167,8 @@ MeshFigures mesh_parts(const std::vector<PartToMesh>& parts, const MeshSettings&
     out.unresolved_edges = made.unresolved_edges;
     out.joins = placed(made.joins, out.stretch, place);
     for (const FaceReport& face : made.faces) out.turned += face.turned;
-    take_figures(out, made, deviation, distance, place);
+    take_figures(out, made, deviation, settings.distance / out.stretch, place);
+    take_patterns(out, whole);
     meshes.parts.push_back(std::move(made.mesh));
     figures.parts.push_back(std::move(out));
   }

@@ -2,23 +2,37 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "patches/brep.h"
 #include "patches/triangle_mesh.h"
 #include "tess/deviation.h"
+#include "tess/patch_mesh.h"
 #include "tess/tessellate.h"
 #include "tess/verify.h"
 
 namespace iso {
 
+// Uniform patterns for patches with any number of sides, in place of triangles where the surface needs them.
+struct PatternSettings {
+  Strategy strategy = Strategy::symmetric_triangles;
+  int level = 0;  // segments a side; 0: the smallest for the distance
+};
+// "adaptive" without.
+inline const char* strategy_name(const std::optional<PatternSettings>& pattern) {
+  return pattern ? name_of(pattern->strategy) : "adaptive";
+}
+
 struct MeshSettings {
-  double distance = 0;  // world units, positive
+  double distance = 0;  // world units, positive; 0: none is asked for, of patterns with a level
   double trim = 0;      // world units; 0: as `distance`
   double angle = kInf;  // radians, between normals in the coordinates of the part
   Sampling sampling = Sampling::quick;
-  double sew = 0;  // world units; 0: within the file's tolerances; negative: nothing is joined
+  double sew = 0;                          // world units; 0: within the file's tolerances; negative: nothing is joined
+  std::optional<PatternSettings> pattern;  // every part must be of patches (patches_of)
 };
 
 // A part and where it stands; the first place is the one that is told. Without any it stands where its own coordinates say.
@@ -55,6 +69,9 @@ struct PartFigures {
   FaceFigures all;
   int worst_face = -1;  // where `all.measured` is
   MeshReport check;
+  std::optional<CurvatureError> curvature;  // of parts of patches; 1 / world unit
+  int least_level = 0, most_level = 0;      // of patterns: over sides and insides; 0: none
+  std::uint64_t quads = 0;                  // of patterns: pairs of triangles
 };
 
 struct MeshFigures {
@@ -63,6 +80,9 @@ struct MeshFigures {
   std::vector<PartFigures> parts;
   double mesh_seconds = 0, measure_seconds = 0, verify_seconds = 0;
 };
+
+// Error: a part with faces that are no patches with any number of sides, so that patterns have no meaning for it; `option` names them.
+Status check_patches(std::span<const Part* const> parts, const std::string& file, const std::string& option);
 
 // One part after the other, each with all threads; `meshes.parts` receives a mesh for each. `progress` hears how many of how many steps are
 // done. The meshes do not depend on the number of threads.

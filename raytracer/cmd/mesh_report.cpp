@@ -46,6 +46,7 @@ class Broken {
     if (!face.within || r.unresolved > 0)
       say(fmt::format("distance bound {}, beyond the tolerance {}: {} could not be divided", length(r.bound),
                       length(figures_.settings.distance), counted(static_cast<std::uint64_t>(r.unresolved), "triangle", "triangles")));
+    if (face.within && !std::isfinite(r.bound)) say("distance bound unknown");
     if (r.crossings > 0) say(counted(static_cast<std::uint64_t>(r.crossings), "side", "sides") + " of its border cross others");
     if (r.folded > 0) say(counted(static_cast<std::uint64_t>(r.folded), "triangle", "triangles") + " turned against the surface");
     if (face.contradicts)

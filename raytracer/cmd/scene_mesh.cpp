@@ -8,11 +8,13 @@
 
 namespace iso {
 
-Result<MeshFigures> tessellate_scene(LoadedModels& loaded, const MeshRequest& request, const std::function<void(int, int)>& progress) {
+Result<MeshFigures> tessellate_scene(LoadedModels& loaded, const MeshRequest& request, const std::function<void(int, int)>& progress,
+                                     const std::optional<PatternSettings>& pattern) {
   MeshSettings settings;
+  settings.pattern = pattern;
   const auto distance = in_units(request.tolerance, loaded.scene.box().diagonal(), loaded.unit, request.tolerance_name);
   if (!distance) return distance.error();
-  settings.distance = *distance;
+  settings.distance = pattern && pattern->level > 0 ? 0 : *distance;
 
   std::vector<PartToMesh> parts;
   std::map<const Part*, std::size_t> known;

@@ -10,8 +10,10 @@
 
 namespace iso {
 
-// Each part of the scene is meshed once, fine enough for its largest instance. Error: a tolerance that has no meaning for the scene.
-Result<MeshFigures> tessellate_scene(LoadedModels& loaded, const MeshRequest& request, const std::function<void(int, int)>& progress);
+// Each part of the scene is meshed once, fine enough for its largest instance. With a pattern that has a level no tolerance is kept. Error:
+// a tolerance that has no meaning for the scene.
+Result<MeshFigures> tessellate_scene(LoadedModels& loaded, const MeshRequest& request, const std::function<void(int, int)>& progress,
+                                     const std::optional<PatternSettings>& pattern = {});
 
 // What a picture says of itself: how it was made, how far its triangles are from the surfaces, and what was not kept.
 std::string mesh_comment(const MeshFigures& figures, const MeshRequest& request);

@@ -14,7 +14,9 @@ namespace iso {
 
 struct TessellateOptions {
   std::string model, output, report;  // no output: no mesh is written, no report: none
-  std::string tolerance = "1e-3d", trim_tolerance, sew = "auto", measure = "quick", progress = "auto";
+  std::string tolerance, trim_tolerance, sew = "auto", measure = "quick", progress = "auto";
+  std::string strategy = "adaptive";  // or the name of a pattern
+  std::optional<int> level;
   std::optional<double> angle;  // degrees
   PatchesOption patches;
   int threads = 0;  // 0: all

@@ -397,6 +397,29 @@ TEST_F(CompareCommand, MeshesThatAreNotAdvisedFailNoLimit) {
   EXPECT_TRUE(r["failures"].empty());
 }
 
+// ---- strategies ----
+
+TEST_F(CompareCommand, StrategiesStandBesideEachOther) {
+  const std::string model = data("meshes/truncated-cuboctahedron.obj");
+  const ChildResult result =
+      run({model, "--patches", "gregory", "-o", path("report"), "--strategies", "--level", "6", "--size", "96x72", "--samples", "1", "-q"});
+  ASSERT_EQ(result.code, 0) << result.summary();
+  const json r = report();
+  const char* names[] = {"fan-triangles", "fan-quads", "symmetric-triangles", "symmetric-quads", "adaptive"};
+  ASSERT_EQ(r["meshes"].size(), std::size(names));
+  for (std::size_t m = 0; m < std::size(names); ++m) {
+    const json& mesh = r["meshes"][m];
+    EXPECT_EQ(mesh["strategy"], names[m]);
+    EXPECT_LE(mesh["distance"]["max"], mesh["guaranteed"]);
+    EXPECT_TRUE(mesh["faults"].empty()) << mesh["faults"].dump();
+    EXPECT_GT(mesh["mean_curvature"]["points"], 500);
+    EXPECT_GE(mesh["mean_curvature"]["max"], mesh["mean_curvature"]["rms"]);
+    EXPECT_TRUE(fs::exists(path("report/mesh-" + std::to_string(m + 1) + "-discrete-curvature.exr")));
+  }
+  EXPECT_TRUE(fs::exists(path("report/mean-curvature.exr")));
+  EXPECT_NE(page().find("<section id=\"strategies\">"), std::string::npos);
+}
+
 // ---- wrong requests ----
 
 TEST_F(CompareCommand, WrongRequestsAreRefusedInOneLineAndLeaveNothing) {
@@ -426,6 +449,10 @@ TEST_F(CompareCommand, WrongRequestsAreRefusedInOneLineAndLeaveNothing) {
                {{model, "-o", folder, "--fail-above", "much"}, Exit::bad_command_line, "--fail-above: found 'much'"},
                {{model, "-o", folder, "--fail-normal", "nan"}, Exit::bad_command_line, "--fail-normal"},
                {{model, "-o", folder, "--size", "0x0"}, Exit::bad_command_line, "--size"},
+               {{model, "-o", folder, "--strategies"}, Exit::bad_command_line, "--strategies: face 0 is a"},
+               {{model, "-o", folder, "--level", "4"}, Exit::bad_command_line, "--level needs --strategies"},
+               {{model, "-o", folder, "--strategies", "--advise"}, Exit::bad_command_line, "one of them"},
+               {{model, "-o", folder, "--strategies", "--level", "4", "--tolerances", "1"}, Exit::bad_command_line, "one of them"},
                {{model, "-o", path("none/report")}, Exit::read_write, "No such file or directory"},
                {{model, "-o", here}, Exit::read_write, "is no folder"},
                {{model, "-o", folder, "--mesh-unit", "in"}, Exit::bad_command_line, "--mesh-unit needs --mesh"},

@@ -135,27 +135,37 @@ TEST_F(TessellateCommand, AdmeshFindsNothingToMend) {
 }
 
 TEST_F(TessellateCommand, WrongRequestsAreRefusedInOneLineAndLeaveNoFile) {
-  const std::string model = data(kCone), mesh = path("a.stl");
+  const std::string model = data(kCone), mesh = path("a.stl"), patches = data("meshes/truncated-cuboctahedron.obj");
   const struct {
     std::vector<std::string> arguments;
     Exit code;
     const char* part;
-  } wrong[] = {{{model}, Exit::bad_command_line, "nothing to write"},
-               {{model, "-o", mesh, "--tolerance", "0"}, Exit::bad_command_line, "--tolerance: found '0'"},
-               {{model, "-o", mesh, "--tolerance", "-0.1mm"}, Exit::bad_command_line, "--tolerance: found '-0.1mm'"},
-               {{model, "-o", mesh, "--tolerance", "nan"}, Exit::bad_command_line, "--tolerance: found 'nan'"},
-               {{model, "-o", mesh, "--tolerance", "1e-14d"}, Exit::bad_command_line, "finer than its coordinates"},
-               {{model, "-o", mesh, "--trim-tolerance", "thin"}, Exit::bad_command_line, "--trim-tolerance: found 'thin'"},
-               {{model, "-o", mesh, "--angle", "0"}, Exit::bad_command_line, "--angle: found 0"},
-               {{model, "-o", mesh, "--angle", "nan"}, Exit::bad_command_line, "--angle: found nan"},
-               {{model, "-o", path("a.fbx")}, Exit::bad_command_line, ".stl, .obj, .ply or .glb"},
-               {{model, "-o", mesh, "--report", mesh}, Exit::bad_command_line, "the same file"},
-               {{model, "--report", model}, Exit::bad_command_line, "is the model itself"},
-               {{data("patches/teapot.bpt"), "-o", mesh, "--tolerance", "1mm"}, Exit::bad_command_line, "the unit of the model is unknown"},
-               {{data("README.md"), "-o", mesh}, Exit::bad_input, "expected STEP"},
-               {{path("none.step"), "-o", mesh}, Exit::read_write, "no such file"},
-               {{model, "-o", path("none/a.stl")}, Exit::read_write, "No such file or directory"},
-               {{model, "--report", "/dev/full"}, Exit::read_write, "No space left"}};
+  } wrong[] = {
+      {{model}, Exit::bad_command_line, "nothing to write"},
+      {{model, "-o", mesh, "--tolerance", "0"}, Exit::bad_command_line, "--tolerance: found '0'"},
+      {{model, "-o", mesh, "--tolerance", "-0.1mm"}, Exit::bad_command_line, "--tolerance: found '-0.1mm'"},
+      {{model, "-o", mesh, "--tolerance", "nan"}, Exit::bad_command_line, "--tolerance: found 'nan'"},
+      {{model, "-o", mesh, "--tolerance", "1e-14d"}, Exit::bad_command_line, "finer than its coordinates"},
+      {{model, "-o", mesh, "--trim-tolerance", "thin"}, Exit::bad_command_line, "--trim-tolerance: found 'thin'"},
+      {{model, "-o", mesh, "--angle", "0"}, Exit::bad_command_line, "--angle: found 0"},
+      {{model, "-o", mesh, "--angle", "nan"}, Exit::bad_command_line, "--angle: found nan"},
+      {{model, "-o", mesh, "--strategy", "spiral"}, Exit::bad_command_line, "--strategy"},
+      {{model, "-o", mesh, "--strategy", "fan-quads"}, Exit::bad_command_line, "expected patches with any number of sides only"},
+      {{model, "-o", mesh, "--level", "4"}, Exit::bad_command_line, "--level needs --strategy"},
+      {{patches, "--patches", "gregory", "-o", mesh, "--strategy", "fan-quads", "--level", "0"},
+       Exit::bad_command_line,
+       "--level: found 0"},
+      {{patches, "-o", mesh, "--strategy", "fan-quads", "--level", "4", "--tolerance", "1"}, Exit::bad_command_line, "one of them"},
+      {{patches, "-o", mesh, "--strategy", "fan-quads", "--angle", "4"}, Exit::bad_command_line, "--angle has no meaning"},
+      {{patches, "-o", mesh, "--strategy", "fan-quads", "--sew", "off"}, Exit::bad_command_line, "--sew has no meaning"},
+      {{model, "-o", path("a.fbx")}, Exit::bad_command_line, ".stl, .obj, .ply or .glb"},
+      {{model, "-o", mesh, "--report", mesh}, Exit::bad_command_line, "the same file"},
+      {{model, "--report", model}, Exit::bad_command_line, "is the model itself"},
+      {{data("patches/teapot.bpt"), "-o", mesh, "--tolerance", "1mm"}, Exit::bad_command_line, "the unit of the model is unknown"},
+      {{data("README.md"), "-o", mesh}, Exit::bad_input, "expected STEP"},
+      {{path("none.step"), "-o", mesh}, Exit::read_write, "no such file"},
+      {{model, "-o", path("none/a.stl")}, Exit::read_write, "No such file or directory"},
+      {{model, "--report", "/dev/full"}, Exit::read_write, "No space left"}};
   for (const auto& w : wrong) {
     std::vector<std::string> arguments = w.arguments;
     arguments.insert(arguments.begin(), "tessellate");
@@ -165,6 +175,37 @@ TEST_F(TessellateCommand, WrongRequestsAreRefusedInOneLineAndLeaveNoFile) {
     EXPECT_NE(result.err.find(w.part), std::string::npos) << result.err;
   }
   EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(TessellateCommand, StrategiesAreToldWithBothDistances) {
+  const std::string model = data("meshes/truncated-cuboctahedron.obj");
+  const struct {
+    std::vector<std::string> arguments;
+    const char* strategy;
+    std::size_t triangles;  // 0: as many as it takes
+  } asked[] = {{{}, "adaptive", 0},
+               {{"--strategy", "fan-triangles", "--level", "4"}, "fan-triangles", 16 * (12 * 2 + 8 * 4 + 6 * 6)},
+               {{"--strategy", "symmetric-quads", "--level", "4"}, "symmetric-quads", 16 * (12 * 4 + 8 * 6 + 6 * 8)},
+               {{"--strategy", "symmetric-triangles"}, "symmetric-triangles", 0},
+               {{"--strategy", "fan-quads", "--tolerance", "3e-3d"}, "fan-quads", 0}};
+  for (const auto& a : asked) {
+    std::vector<std::string> arguments{"--patches", "gregory", "-o", path("a.ply"), "--report", path("r.json")};
+    arguments.insert(arguments.end(), a.arguments.begin(), a.arguments.end());
+    const ChildResult result = run(model, arguments);
+    ASSERT_EQ(result.code, 0) << a.strategy << ": " << result.summary();
+    const json r = report("r.json");
+    const bool by_level = !r["level"].is_null();
+    EXPECT_EQ(r["strategy"], a.strategy);
+    EXPECT_EQ(by_level, r["tolerance"].is_null());
+    EXPECT_GT(r["totals"]["measured"], 0.0);
+    EXPECT_LE(r["totals"]["measured"], r["totals"]["bound"]);
+    if (!by_level) EXPECT_LE(r["totals"]["bound"], r["tolerance"]);
+    if (a.triangles > 0) EXPECT_EQ(r["totals"]["triangles"], a.triangles);
+    EXPECT_EQ(r["totals"]["open_edges"], 0);
+    EXPECT_EQ(r["parts"][0]["levels"].is_null(), std::string(a.strategy) == "adaptive");
+    EXPECT_GT(r["parts"][0]["mean_curvature"]["points"], 100);
+    EXPECT_EQ(read_ply_file(path("a.ply")).triangles.size(), r["totals"]["triangles"]);
+  }
 }
 
 TEST_F(TessellateCommand, TheExitCodeTellsWhetherAllPromisesAreKept) {
