@@ -52,13 +52,14 @@ const std::vector<Guarded>& guarded() {
       {"OpenColorIO", std::regex("OpenColorIO/.*"), std::regex("raytracer/display_transform\\.cpp")},
       {"OpenEXR", std::regex("(Imf|Iex|Imath|half).*"), std::regex("raytracer/exr_writer\\.cpp")},
       {"OpenGL", std::regex("(GL|EGL|GLFW|epoxy)/.*"), std::regex("tess/gpu/.*")},
-      // The mathematics: values in, values out; no library but GLM, no files, threads or printing (check.h aborts with a message).
+      // The mathematics: values in, values out; no library but GLM, no files, threads or printing (check.h aborts with a message,
+      // made_once.h keeps tables).
       {"libraries other than GLM", std::regex("(fmt|tbb|nlohmann|CLI|hwy|Eigen|boost|opencv2).*"),
        std::regex("(patches/files|patches/io|tess|raytracer)/.*")},
       {"files, threads and printing",
        std::regex(
            "fstream|iostream|ostream|istream|cstdio|stdio.h|filesystem|thread|mutex|shared_mutex|future|atomic|unistd.h|fcntl.h|sys/.*"),
-       std::regex("(patches/files|patches/io|tess|raytracer)/.*|patches/base/check\\.h")},
+       std::regex("(patches/files|patches/io|tess|raytracer)/.*|patches/base/(check|made_once)\\.h")},
   };
   return all;
 }

@@ -1,9 +1,9 @@
 #include "patches/surface/chart_spline.h"
 
 #include <array>
-#include <mutex>
 
 #include "patches/base/bernstein.h"
+#include "patches/base/made_once.h"
 #include "patches/base/taylor.h"
 #include "patches/surface/patch_basis-inl.h"
 
@@ -224,18 +224,8 @@ class SplineMaker {
 }  // namespace
 
 std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis, int level) {
-  struct Made {
-    PatchBasis basis;
-    int level;
-    std::shared_ptr<const WeightSplines> splines;
-  };
-  static std::mutex mutex;
-  static std::vector<Made> made;
-  const std::lock_guard lock(mutex);
-  for (const Made& m : made)
-    if (m.basis == basis && m.level == level) return m.splines;
-  made.push_back({basis, level, std::make_shared<const WeightSplines>(SplineMaker(basis, level).make())});
-  return made.back().splines;
+  static MadeOnce<std::pair<PatchBasis, int>, WeightSplines> kept;
+  return kept.of({basis, level}, [&] { return SplineMaker(basis, level).make(); });
 }
 
 }  // namespace iso

@@ -2,7 +2,7 @@
 //
 // Every measurement is called direct-versus-triangles/SCENE/RAYS; a NAME selects those that have it as one of these three words, several
 // NAMEs those that fit the NAMEs of each kind: `linkrods teapot bounce` are two scenes, bounces only. The other benchmarks, trim-queries,
-// brl-cad and tessellators, have no scenes.
+// brl-cad, tessellators and patches, have no scenes.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
@@ -11,6 +11,7 @@
 #include <iostream>
 
 #include "tests/bench/brl_cad.h"
+#include "tests/bench/patch_rays.h"
 #include "tests/bench/report.h"
 #include "tests/bench/tessellator_report.h"
 #include "tests/bench/trim_queries.h"
@@ -19,7 +20,7 @@ namespace iso::bench {
 namespace {
 
 constexpr const char *kBenchmark = "direct-versus-triangles", *kTrimQueries = "trim-queries", *kBrlCad = "brl-cad",
-                     *kTessellators = "tessellators";
+                     *kTessellators = "tessellators", *kPatches = "patches";
 constexpr int kSegments[] = {10, 100, 1000};
 constexpr int kQuickRounds = 3, kQuickRays = 1 << 18;
 constexpr std::size_t kQuickTolerances = 2;
@@ -50,6 +51,27 @@ int run_trim_queries(bool json) {
     if (!json)
       fmt::print("{:5} segments: {:5.1f} ns a query (+-{:.1f}), {:5.1f} ns near the loop (+-{:.1f}); {} answers as the winding test's\n",
                  t.segments, t.uniform, t.uniform_deviation, t.near, t.near_deviation, t.checked);
+  }
+  if (json) std::cout << rows.dump(2) << '\n';
+  return static_cast<int>(Exit::done);
+}
+
+int run_patches(int rays, int rounds, bool json) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const PatchRays& r : measure_patch_rays(rays, rounds)) {
+    rows.push_back({{"name", r.name},
+                    {"patches", r.patches},
+                    {"hits", r.hits},
+                    {"ns", r.nanoseconds.median},
+                    {"deviation", r.nanoseconds.deviation},
+                    {"of_bicubic", r.of_bicubic},
+                    {"proven", r.proven},
+                    {"build_s", r.build},
+                    {"megabytes", r.megabytes}});
+    if (!json)
+      fmt::print(
+          "{:36} {:4} patches: {:6.1f} ns a ray (+-{:.1f}), {:4.2f} times the bicubic; spline within {:.1e}; build {:.2f} s, {:.0f} MB\n",
+          r.name, r.patches, r.nanoseconds.median, r.nanoseconds.deviation, r.of_bicubic, r.proven, r.build, r.megabytes);
   }
   if (json) std::cout << rows.dump(2) << '\n';
   return static_cast<int>(Exit::done);
@@ -100,8 +122,8 @@ int run(int argc, char** argv) {
   std::vector<std::string> names;
   bool json = false;
   app.add_option("NAME", names,
-                 fmt::format("what to measure: {}; scenes {}; rays {} [all]; or {}, {} or {}, alone", kBenchmark,
-                             fmt::join(scene_names, " "), fmt::join(kRaySets, " "), kTrimQueries, kBrlCad, kTessellators));
+                 fmt::format("what to measure: {}; scenes {}; rays {} [all]; or {}, {}, {} or {}, alone", kBenchmark,
+                             fmt::join(scene_names, " "), fmt::join(kRaySets, " "), kTrimQueries, kBrlCad, kTessellators, kPatches));
   TessellatorOptions tessellators;
   app.add_option("--model", tessellators.models, "of tessellators: a file's name; may be repeated [all]");
   app.add_flag_callback(
@@ -123,6 +145,7 @@ int run(int argc, char** argv) {
   }
   if (names == std::vector<std::string>{kTrimQueries}) return run_trim_queries(json);
   if (*quick && !*rounds) options.rounds = kQuickRounds;
+  if (names == std::vector<std::string>{kPatches}) return run_patches(*quick && !*count ? kQuickRays : options.rays, options.rounds, json);
   if (names == std::vector<std::string>{kBrlCad}) {
     if (!*count) options.rays = *quick ? kBrlCadQuickRays : kBrlCadRays;
     return run_brl_cad(options, json);

@@ -3,43 +3,16 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "patches/n_sided_part.h"
 #include "patches/surface/patch_construct.h"
 #include "raytracer/trace_scene.h"
+#include "tests/support/polygons.h"
 
 namespace iso::test {
-
-struct PolygonMesh {
-  std::vector<Vec3> points;
-  std::vector<std::vector<int>> polygons;  // counter-clockwise seen from outside
-};
-
-// The lines `v` and `f` of a Wavefront file, as they are.
-inline PolygonMesh read_polygons(const std::string& path) {
-  PolygonMesh mesh;
-  std::ifstream file(path);
-  EXPECT_TRUE(file) << path;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    if (word == "v") {
-      Vec3 p;
-      words >> p.x >> p.y >> p.z;
-      mesh.points.push_back(p);
-    } else if (word == "f") {
-      mesh.polygons.emplace_back();
-      while (words >> word) mesh.polygons.back().push_back(std::stoi(word) - 1);
-    }
-  }
-  return mesh;
-}
 
 // An octahedron's corners cut off so far that it has 6 squares and 8 hexagons; edges of length 1.
 inline PolygonMesh truncated_octahedron() {
