@@ -478,7 +478,7 @@ TEST_F(CompareCommand, WrongRequestsAreRefusedInOneLineAndLeaveNothing) {
     EXPECT_EQ(files(""), std::set<std::string>{}) << w.part;
     ++refused;
   }
-  EXPECT_EQ(refused, 30);
+  EXPECT_EQ(refused, 34);
   EXPECT_EQ(detail::content_of(here), "text\n");
 }
 
