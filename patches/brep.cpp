@@ -61,12 +61,15 @@ double distance_to(const EdgeUse& use, const std::vector<Point3>& samples, const
 
 // Both uses of an edge normally run with one parameter; where they do not, the nearest points count.
 double gap_between(const EdgeUse& a, const EdgeUse& b, double file_tolerance) {
-  double same = 0;
+  constexpr double kRounding = 1e-14;  // of the coordinates: such a gap is none, and not looked at more closely
+  double same = 0, size = 0;
   for (std::size_t i = 0; i <= kGapSamples; ++i) {
     const double t = a.parameter(share_of_sample(i));
-    same = std::max(same, glm::length(a.at(t) - b.at(t)));
+    const Point3 at = a.at(t);
+    same = std::max(same, glm::length(at - b.at(t)));
+    size = std::max(size, glm::length(at));
   }
-  if (same <= file_tolerance) return same;
+  if (same <= std::max(file_tolerance, kRounding * size)) return same;
   double gap = 0;
   const std::vector<Point3> sa = sampled(a), sb = sampled(b);
   for (const Point3& p : sa) gap = std::max(gap, distance_to(b, sb, p));

@@ -142,7 +142,7 @@ struct PowerSeries {
   // Of a sum a + b of what is not negative: whether it may be divided by.
   bool bounded_away() const { return kModel ? c[0] - spread() > 0.02 * c[0] : c[0] > 0; }
 
-  // patch_basis-inl.h
+  // Of patches at their corners (patches/surface/kinds/domain-inl.h).
   friend PowerSeries blend(const PowerSeries& a, const PowerSeries& b, const PowerSeries& X, const PowerSeries& Y) {
     const PowerSeries sum = a + b, mean = 0.5 * (X + Y);
     if (sum.bounded_away()) return mean + 0.5 * (a - b) * inverse(sum) * (X - Y);

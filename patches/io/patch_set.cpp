@@ -12,10 +12,10 @@ void refuse_unbounded(const std::string& path, const PatchSet& set) {
   for (std::size_t p = 0; p < set.patches.size(); ++p)
     if (set.patches[p].patch.basis.parameters == SideParameters::mean_value)
       throw Error{.file = path,
-                  .place = "patch " + std::to_string(p + 1),
+                  .place = "patches[" + std::to_string(p) + "]",
                   .message =
                       "parameters by mean value: such a patch can be evaluated, but no bound is known near its corners, so it is "
-                      "neither traced nor meshed; expected wachspress or distance"};
+                      "neither traced nor meshed"};
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 //   .gbp     one generalised Bezier patch: "sides degree", the central control point, then the rows of control points, outermost first,
 //            side by side [Salvi, https://github.com/salvipeter/transfinite]
 //   .lop     a loop of B-spline curves, one a side: degree; number of knots and the knots; number of points and the points [Salvi, as
-//   above] .mp      ribbons: for each side an outer and an inner B-spline curve, each "degree points", knots, points; perhaps a midpoint at
-//   the end
+//            above]
+//   .mp      ribbons: for each side an outer and an inner B-spline curve, each "degree points", knots, points; a midpoint may be last
 //            [Salvi, https://github.com/salvipeter/midpoint]
 #pragma once
 

@@ -53,7 +53,7 @@ std::string problem_of(const PatchBasis& basis);
 int point_count(const PatchBasis& basis);
 
 // Entry m: which control point takes the place of m when the patch is seen from the next corner. The order of the points is told with
-// each kind in patch_basis-inl.h.
+// each kind in kinds/.
 std::vector<int> points_from_next_corner(const PatchBasis& basis);
 
 // The control points of the boundary curve of a side, from v_(side-1) to v_side: degree + 1 indices.

@@ -114,7 +114,7 @@ double distance_from_spline(const PatchChart& chart, const WeightSplines& spline
 }
 
 // What the spline that rays are sorted by may be off, as a share of the chart's control points' extent: far below a pixel.
-constexpr double kMostError = 3e-5;
+constexpr double kMostError = 1e-4;
 
 }  // namespace
 
@@ -150,7 +150,9 @@ PatchChart chart_of(const NSidedPatch& patch, int corner) {
   }
   Box3 box;
   for (const Vec3& p : chart.points) box.include(p);
-  ChartSpline spline = spline_beside(chart, kMostError * box.diagonal());
+  // What all points have in common rounds: a patch that is a point needs no finer spline.
+  const double coordinates = glm::length(glm::max(glm::abs(box.lo), glm::abs(box.hi)));
+  ChartSpline spline = spline_beside(chart, kMostError * box.diagonal() + kRounding * coordinates);
   chart.near = std::move(spline.near);
   chart.error = spline.error;
   return chart;

@@ -10,8 +10,7 @@ namespace iso {
 inline int triangle_index(int degree, int j, int i) { return i * (degree + 1) - i * (i - 1) / 2 + j; }
 template <class T>
 void bezier_triangle_weights(int degree, const DomainPoint<T>& x, T* W) {
-  // The distance from a side over the height of the triangle, 3/2, is the coordinate of the corner opposite: corner k is opposite side k
-  // - 1.
+  // The distance from a side over the height of the triangle, 3/2, is the coordinate of the corner opposite: corner 0 is opposite side 2.
   const T a = x.distance[2] * (2.0 / 3), b = x.distance[0] * (2.0 / 3), c = x.distance[1] * (2.0 / 3);
   std::array<T, 3 * 16> powers;  // of a, b, c
   for (int k = 0; k < 3; ++k) {
