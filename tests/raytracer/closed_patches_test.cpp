@@ -342,8 +342,8 @@ TEST(ClosedPatches, NothingGetsThroughSquaresHexagonsAndOctagons) {
 TEST(ClosedPatches, NothingGetsThroughTheControlMeshOfACow) { examine_file(kMeshes[1], MeshKind::gregory, 50000); }
 
 class ClosedPatchesSlow : public testing::TestWithParam<int> {};
-TEST_P(ClosedPatchesSlow, NoneOfTenMillionRaysGetsThrough) {
-  examine_file(kMeshes[GetParam()], MeshKind::gregory, wanted("ISOPHOTE_RAYS", 10000000));
+TEST_P(ClosedPatchesSlow, NoneOfManyRaysGetsThrough) {
+  examine_file(kMeshes[GetParam()], MeshKind::gregory, wanted("ISOPHOTE_RAYS", 200000));
 }
 const auto kNames = [](const testing::TestParamInfo<int>& info) { return std::string(kMeshes[info.param].name); };
 INSTANTIATE_TEST_SUITE_P(All, ClosedPatchesSlow, testing::Range(0, static_cast<int>(std::size(kMeshes))), kNames);

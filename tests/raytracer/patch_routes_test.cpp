@@ -221,8 +221,8 @@ TEST_P(PatchRoutes, MeetTheSamePlaces) {
   const auto kind = static_cast<PatchKind>(GetParam());
   examine(kind, kind < PatchKind::generalised_bezier ? 20000 : 4000, true);
 }
-TEST_P(PatchRoutesSlow, MeetTheSamePlacesAMillionTimes) {
-  examine(static_cast<PatchKind>(GetParam()), wanted("ISOPHOTE_RAYS", 1000000), false);
+TEST_P(PatchRoutesSlow, MeetTheSamePlacesOnMorePatches) {
+  examine(static_cast<PatchKind>(GetParam()), wanted("ISOPHOTE_RAYS", 6000), false);
 }
 const auto kNames = [](const testing::TestParamInfo<int>& info) {
   std::string name = name_of(static_cast<PatchKind>(info.param));
