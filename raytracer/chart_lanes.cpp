@@ -158,15 +158,19 @@ inline LaneMask all_packs(const PatchChart& chart, const Basis& basis, const Loc
 
 }  // namespace
 
-__attribute__((target("arch=x86-64-v4"), flatten)) LaneMask with_avx512(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) {
+// All calls inlined, for one instruction set. Not with the sanitizers, which would take minutes to compile that: there all three are one.
+#if defined(__SANITIZE_ADDRESS__)
+#define ISOPHOTE_COMPILED_FOR(set)
+#else
+#define ISOPHOTE_COMPILED_FOR(set) __attribute__((target(set), flatten))
+#endif
+ISOPHOTE_COMPILED_FOR("arch=x86-64-v4") LaneMask with_avx512(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) {
   return all_packs(chart, chart.basis, rays, roots);
 }
-__attribute__((target("arch=x86-64-v3"), flatten)) LaneMask with_avx2(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) {
+ISOPHOTE_COMPILED_FOR("arch=x86-64-v3") LaneMask with_avx2(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) {
   return all_packs(chart, chart.basis, rays, roots);
 }
-__attribute__((flatten)) LaneMask with_any(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) {
-  return all_packs(chart, chart.basis, rays, roots);
-}
+LaneMask with_any(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) { return all_packs(chart, chart.basis, rays, roots); }
 
 }  // namespace chart_lanes
 
