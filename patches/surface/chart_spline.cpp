@@ -13,15 +13,13 @@ namespace {
 
 constexpr int kDegree = 5;
 
-// Where the cells of levels 0 and 1 meet. Toward the corner the blend of two sides changes by the direction alone, whatever the distance:
-// cells halve there.
-constexpr std::array kCoarseNodes{0.0, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1.0};
+// Where the cells of level 0 meet. Toward the corner the blend of two sides changes by the direction alone, whatever the distance: cells
+// halve there.
 constexpr std::array kFirstNodes{0.0, 1.0 / 24, 1.0 / 12, 1.0 / 6, 1.0 / 3, 1.0 / 2, 3.0 / 4, 1.0};
 
 std::vector<double> nodes_of(int level) {
-  if (level == 0) return {kCoarseNodes.begin(), kCoarseNodes.end()};
   std::vector<double> nodes(kFirstNodes.begin(), kFirstNodes.end());
-  for (; level > 1; --level) {
+  for (; level > 0; --level) {
     std::vector<double> finer{0.0, 0.25 * nodes[1]};
     for (std::size_t k = 1; k < nodes.size(); ++k) {
       finer.push_back(0.5 * (nodes[k - 1] + nodes[k]));

@@ -25,8 +25,8 @@ struct WeightSplines {
   std::vector<double> error_of_sum, error_of_difference;
 };
 
-// From level 1 on each halves the cells of the one before, the first of a row twice: about a sixteenth of the distance each time.
-inline constexpr int kSplineLevels = 5;
+// Each level halves the cells of the one before, the first of a row twice: a fourth of the distance or less each time.
+inline constexpr int kSplineLevels = 4;
 
 // Made once per basis and level, kept while the program runs; safe from all threads.
 std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis, int level);

@@ -114,7 +114,7 @@ double distance_from_spline(const PatchChart& chart, const WeightSplines& spline
 }
 
 // What the spline that rays are sorted by may be off, as a share of the chart's control points' extent: far below a pixel.
-constexpr double kMostError = 1e-4;
+constexpr double kMostError = 3e-5;
 
 }  // namespace
 
