@@ -21,16 +21,23 @@ constexpr std::array<Level, 11> kDiverging{{{5, 48, 97},
                                             {214, 96, 77},
                                             {178, 24, 43},
                                             {103, 0, 31}}};
-// [van der Walt and Smith 2015, viridis], nine of its colours, from dark to light.
-constexpr std::array<Level, 9> kSequential{{{68, 1, 84},
-                                            {71, 45, 123},
-                                            {59, 82, 139},
-                                            {44, 114, 142},
-                                            {33, 145, 140},
-                                            {40, 174, 128},
-                                            {94, 201, 98},
-                                            {173, 220, 48},
-                                            {253, 231, 37}}};
+constexpr std::array<Level, 17> kSequential{{{68, 1, 84},
+                                             {72, 24, 106},
+                                             {71, 45, 123},
+                                             {66, 64, 134},
+                                             {59, 82, 139},
+                                             {51, 99, 141},
+                                             {44, 114, 142},
+                                             {38, 130, 142},
+                                             {33, 145, 140},
+                                             {31, 159, 136},
+                                             {39, 173, 129},
+                                             {61, 188, 116},
+                                             {92, 200, 99},
+                                             {129, 211, 77},
+                                             {170, 220, 50},
+                                             {213, 226, 26},
+                                             {253, 231, 37}}};
 constexpr Level kUndefined{255, 220, 60};
 
 Colour linear(const Level& level) {
@@ -53,6 +60,12 @@ Colour ColourScale::colour(double value) const {
   if (std::isnan(value)) return linear(kUndefined);
   if (diverges()) return among(kDiverging, 0.5 + 0.5 * std::clamp(value, range.lo, range.hi) / range.magnitude());
   return among(kSequential, (value - range.lo) / range.width());
+}
+
+std::vector<Colour> even_scale() {
+  std::vector<Colour> colours;
+  for (const Level& level : kSequential) colours.push_back(Colour(level[0], level[1], level[2]) / 255.0f);
+  return colours;
 }
 
 double round_up(double x) {

@@ -1,6 +1,8 @@
 // Numbers as colours, and back by the eye: a range of values and the colour of each.
 #pragma once
 
+#include <vector>
+
 #include "patches/base/vec.h"
 
 namespace iso {
@@ -14,6 +16,10 @@ struct ColourScale {
   bool diverges() const { return range.lo < 0 && range.hi > 0; }
   Colour colour(double value) const;
 };
+
+// "Viridis" of matplotlib (public domain, CC0), every sixteenth part of it, from dark to light, display-encoded: even steps look even, also
+// to the colour-blind and printed grey. The scale over a range without 0 goes along it. [van der Walt and Smith 2015]
+std::vector<Colour> even_scale();
 
 // The smallest of 1, 2, 5 times a power of ten that is not below x; x is positive and finite.
 double round_up(double x);

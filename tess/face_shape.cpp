@@ -109,13 +109,20 @@ double FaceShape::triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b,
   return general_bound(bend_, a, b, c);
 }
 
+namespace {
+
+// Whether the bound of a triangle is the distance itself, so that dividing the triangle proves no more.
+bool bound_is_exact(const AnySurface& surface) {
+  return std::holds_alternative<Plane>(surface) || std::holds_alternative<Cylinder>(surface) || std::holds_alternative<Cone>(surface) ||
+         std::holds_alternative<Sphere>(surface);
+}
+
+}  // namespace
+
 FaceShape::Verdict FaceShape::keeps(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most) const {
   const double quick = triangle_bound(a, b, c);
   if (quick <= most) return {true, quick};
-  if (!std::holds_alternative<NurbsSurface>(face_->surface) && !std::holds_alternative<Extrusion>(face_->surface) &&
-      !std::holds_alternative<Revolution>(face_->surface) && !std::holds_alternative<Torus>(face_->surface) &&
-      !std::holds_alternative<PatchChart>(face_->surface))
-    return {false, quick};
+  if (bound_is_exact(face_->surface)) return {false, quick};
   const Verdict divided = TriangleDivision(*this, {a, b, c}, most).verdict(quick);
   return divided.within ? divided : within_box({a, b, c}, most, divided);
 }

@@ -82,16 +82,25 @@ PatchSet parse_gbp(const std::string& path, std::string_view text) {
   return set;
 }
 
+namespace {
+
+// The number of sides, then each side as `read` has it.
+template <class Read>
+std::vector<RibbonSide> read_sides(WordStream& words, const Read& read) {
+  const int n = sides_in(words);
+  std::vector<RibbonSide> sides(static_cast<std::size_t>(n));
+  for (int k = 1; k <= n; ++k) read(sides[static_cast<std::size_t>(k) - 1], side_name(k, n));
+  return sides;
+}
+
+}  // namespace
+
 PatchSet parse_lop(const std::string& path, std::string_view text) {
   WordStream words(path, text);
-  const int n = sides_in(words);
-  std::vector<RibbonSide> sides;
-  for (int k = 1; k <= n; ++k) {
-    RibbonSide side;
-    side.outer = loop_curve(words, side_name(k, n));
+  std::vector<RibbonSide> sides = read_sides(words, [&](RibbonSide& side, const std::string& name) {
+    side.outer = loop_curve(words, name);
     side.line = words.line();
-    sides.push_back(std::move(side));
-  }
+  });
   PatchSet set = patch_of_ribbons(path, std::move(sides), {});
   report_rest(words, set);
   return set;
@@ -99,15 +108,11 @@ PatchSet parse_lop(const std::string& path, std::string_view text) {
 
 PatchSet parse_mp(const std::string& path, std::string_view text) {
   WordStream words(path, text);
-  const int n = sides_in(words);
-  std::vector<RibbonSide> sides;
-  for (int k = 1; k <= n; ++k) {
-    RibbonSide side;
-    side.outer = ribbon_curve(words, side_name(k, n) + "outer curve: ");
+  std::vector<RibbonSide> sides = read_sides(words, [&](RibbonSide& side, const std::string& name) {
+    side.outer = ribbon_curve(words, name + "outer curve: ");
     side.line = words.line();
-    side.inner = ribbon_curve(words, side_name(k, n) + "inner curve: ");
-    sides.push_back(std::move(side));
-  }
+    side.inner = ribbon_curve(words, name + "inner curve: ");
+  });
   std::optional<Vec3> midpoint;
   if (!words.at_end()) midpoint = words.point("midpoint: ");
   PatchSet set = patch_of_ribbons(path, std::move(sides), midpoint);

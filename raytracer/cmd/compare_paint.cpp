@@ -92,14 +92,6 @@ Integrator facets(const Tracer& tracer, const Camera& camera, const ImageSize& s
   };
 }
 
-std::vector<Colour> even_scale() {
-  std::vector<Colour> colours;
-  for (const unsigned hex : {0x440154u, 0x48186au, 0x472d7bu, 0x424086u, 0x3b528bu, 0x33638du, 0x2c728eu, 0x26828eu, 0x21918cu, 0x1f9f88u,
-                             0x27ad81u, 0x3dbc74u, 0x5cc863u, 0x81d34du, 0xaadc32u, 0xd5e21au, 0xfde725u})
-    colours.push_back(rgb(hex));
-  return colours;
-}
-
 Colour scale_colour(const ReportLegend& legend, double value) {
   constexpr Colour kUnknown = rgb(0x9a9a9a);
   if (std::isnan(value) || legend.colours.empty()) return kUnknown;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "raytracer/cmd/compare_report.h"
+#include "raytracer/colour_scale.h"
 #include "raytracer/film.h"
 #include "raytracer/shading.h"
 
@@ -25,9 +26,6 @@ std::vector<double> field_values(const Film& film);
 // likewise without edges. Both sides alike.
 Integrator facets(const Tracer& tracer, const Camera& camera, const ImageSize& size);
 
-// "Viridis" of matplotlib (public domain, CC0), every sixteenth part of it, display-encoded: even steps look even, also to the colour-blind
-// and printed grey.
-std::vector<Colour> even_scale();
 Colour scale_colour(const ReportLegend& legend, double value);  // display-encoded; ends are held; grey for NaN
 
 // Values as colours of a scale, display-encoded, covered as `alpha`.

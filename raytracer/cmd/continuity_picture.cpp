@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "raytracer/cmd/compare_paint.h"
+#include "raytracer/colour_scale.h"
 #include "raytracer/srgb.h"
 
 namespace iso {

@@ -315,19 +315,9 @@ constexpr MeshFile kMeshes[] = {{"TruncatedCuboctahedron", "truncated-cuboctahed
                                 {"SpotControlMesh", "spot-control-mesh.obj", false},
                                 {"Goldberg", "goldberg-642.obj", true}};
 
-// tests/data/meshes, else the larger collection.
-std::optional<std::string> file_of(const MeshFile& mesh) {
-  std::vector<std::filesystem::path> folders{data_dir()};
-  if (const auto shared = shared_data_dir()) folders.push_back(*shared);
-  for (const auto& folder : folders)
-    if (const auto path = folder / "meshes" / mesh.file; std::filesystem::exists(path)) return path.string();
-  return std::nullopt;
-}
-
 void examine_file(const MeshFile& mesh, MeshKind kind, std::uint64_t rays) {
-  const auto path = file_of(mesh);
-  if (!path) GTEST_SKIP() << mesh.file << " is in the larger collection, which is not here";
-  Subject(std::string(mesh.name) + (kind == MeshKind::gregory ? "" : ", Charrot-Gregory"), read_polygons(*path), kind, mesh.ball)
+  Subject(std::string(mesh.name) + (kind == MeshKind::gregory ? "" : ", Charrot-Gregory"),
+          read_polygons(data(std::string("meshes/") + mesh.file)), kind, mesh.ball)
       .examine(rays);
 }
 
