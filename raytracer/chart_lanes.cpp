@@ -12,9 +12,9 @@
 #ifndef ISOPHOTE_CHART_LANES_DECLARED
 #define ISOPHOTE_CHART_LANES_DECLARED
 namespace iso::chart_lanes {
-LaneMask with_avx512(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots);
-LaneMask with_avx2(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots);
-LaneMask with_any(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots);
+LaneMask with_avx512(const PatchChart& chart, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots);
+LaneMask with_avx2(const PatchChart& chart, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots);
+LaneMask with_any(const PatchChart& chart, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots);
 }  // namespace iso::chart_lanes
 #endif
 
@@ -22,13 +22,13 @@ LaneMask with_any(const PatchChart& chart, const LocalRays& rays, LeafRoots& roo
 HWY_BEFORE_NAMESPACE();
 namespace iso::HWY_NAMESPACE {
 
-LaneMask chart_newton(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) {
+LaneMask chart_newton(const PatchChart& chart, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots) {
 #if HWY_TARGET <= HWY_AVX3
-  return chart_lanes::with_avx512(chart, rays, roots);
+  return chart_lanes::with_avx512(chart, piece, rays, roots);
 #elif HWY_TARGET <= HWY_AVX2
-  return chart_lanes::with_avx2(chart, rays, roots);
+  return chart_lanes::with_avx2(chart, piece, rays, roots);
 #else
-  return chart_lanes::with_any(chart, rays, roots);
+  return chart_lanes::with_any(chart, piece, rays, roots);
 #endif
 }
 
@@ -44,7 +44,10 @@ namespace chart_lanes {
 namespace {
 
 constexpr int kPack = 8;
-constexpr int kMostSteps = 6;
+constexpr int kMostPointSteps = 5, kMostSteps = 6;
+// Steps by the spline's derivatives go on while each is at most this share of the last one, until what is left, of the chart's square, is
+// less than rounding.
+constexpr double kMostShare = 0.05, kLeftOnChart = 1e-15;
 constexpr int kMostPoints = 256;
 
 struct Pack {
@@ -71,88 +74,197 @@ inline Pack sqrt(const Pack& x) {
   return root;
 }
 
-// What a pack of rays is on its way with.
-struct PackedRays {
-  Pack n1[3], n2[3], d1, d2, o[3], d[3], inverse_dd, scale;
-};
-
-inline Pack load(const double* at) {
-  Pack p;
-  for (int k = 0; k < kPack; ++k) p.v[k] = at[k];
-  return p;
+// The root has no limit there or is beyond a border: lanes leave that to doubles (domain-inl.h).
+inline Pack blend(const Pack& a, const Pack& b, const Pack& X, const Pack& Y) {
+  return (X + Y) * 0.5 + (a - b) * 0.5 * inverse_or_zero(a + b) * (X - Y);
 }
+inline Pack share(const Pack& a, const Pack& b) { return (a - b) * 0.5 * inverse_or_zero(a + b) + 0.5; }
+
+// Up to kPack rays that have a root on the spline, gathered from the lanes of a packet: what they are on their way with. Empty places
+// repeat the first one.
+struct PackedRays {
+  int lane[kPack];
+  int count = 0;
+  Pack n1[3], n2[3], d1, d2, o[3], d[3], inverse_dd;
+  Pack s, t, unit_s, unit_t;  // on the chart, and in the unit square of the spline's piece
+
+  void gather(const LocalRays& rays, const SplinePiece& piece, const LeafRoots& roots) {
+    for (int k = count; k < kPack; ++k) lane[k] = lane[0];
+    const auto take = [&](const double* from, Pack& to) {
+      for (int k = 0; k < kPack; ++k) to.v[k] = from[lane[k]];
+    };
+    for (int c = 0; c < 3; ++c) {
+      take(rays.planes.n1[c], n1[c]);
+      take(rays.planes.n2[c], n2[c]);
+      take(rays.o[c], o[c]);
+      take(rays.d[c], d[c]);
+    }
+    take(rays.planes.d1, d1);
+    take(rays.planes.d2, d2);
+    take(rays.inverse_dd, inverse_dd);
+    take(roots.s, unit_s);
+    take(roots.t, unit_t);
+    s = unit_s * piece.size.x + Pack(piece.low.x);
+    t = unit_t * piece.size.y + Pack(piece.low.y);
+  }
+};
 
 inline Pack dot(const Pack* a, const Pack* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-inline PackedRays pack_rays(const LocalRays& rays, int first) {
-  PackedRays p;
-  for (int c = 0; c < 3; ++c) {
-    p.n1[c] = load(rays.planes.n1[c] + first);
-    p.n2[c] = load(rays.planes.n2[c] + first);
-    p.o[c] = load(rays.o[c] + first);
-    p.d[c] = load(rays.d[c] + first);
-  }
-  p.d1 = load(rays.planes.d1 + first);
-  p.d2 = load(rays.planes.d2 + first);
-  p.inverse_dd = load(rays.inverse_dd + first);
-  p.scale = load(rays.scale + first);
-  return p;
-}
+// The derivatives of a surface as a ray sees them: of both plane equations, with the inverse of their determinant, and along the ray.
+struct Slopes {
+  Pack a, b, c, d, inverse, along_s, along_t;
 
-using Number = Dual1<Pack>;
+  Slopes(const PackedRays& ray, const Pack* Ss, const Pack* St)
+      : a(dot(ray.n1, Ss)),
+        b(dot(ray.n1, St)),
+        c(dot(ray.n2, Ss)),
+        d(dot(ray.n2, St)),
+        inverse(inverse_or_zero(a * d - b * c)),
+        along_s(dot(ray.d, Ss)),
+        along_t(dot(ray.d, St)) {}
+  Pack step_s(const Pack& f, const Pack& g) const { return (b * g - d * f) * inverse; }
+  Pack step_t(const Pack& f, const Pack& g) const { return (c * f - a * g) * inverse; }
+};
 
-// Newton on one pack; bits of `wanted` that end are returned, and their roots written.
-template <class Basis>
-inline LaneMask newton(const PatchChart& chart, const Basis& basis, const LocalRays& rays, int first, LaneMask wanted, LeafRoots& roots) {
-  const PackedRays ray = pack_rays(rays, first);
-  Pack s = load(roots.s + first), t = load(roots.t + first);
-  Number W[kMostPoints];
-  const int count = static_cast<int>(chart.points.size());
-  const Vec3* points = chart.points.data();
-  LaneMask done = 0;
-  for (int step = 0; step < kMostSteps && done != wanted; ++step) {
-    patch_weights<Number>(basis, Number(s, 1.0, 0.0), Number(t, 0.0, 1.0), W);
-    Pack S[3] = {0.0, 0.0, 0.0}, Ss[3] = {0.0, 0.0, 0.0}, St[3] = {0.0, 0.0, 0.0};
-    for (int m = 0; m < count; ++m)
-      for (int c = 0; c < 3; ++c) {
-        const double p = points[m][c];
-        S[c] = S[c] + W[m].f * p;
-        Ss[c] = Ss[c] + W[m].u * p;
-        St[c] = St[c] + W[m].v * p;
-      }
+// Where a pack stands, and Newton's step from there.
+struct Standing {
+  Pack ds, dt, distance;
+
+  Standing(const PackedRays& ray, const Pack* S, const Slopes& slopes) {
     const Pack f = dot(ray.n1, S) - ray.d1, g = dot(ray.n2, S) - ray.d2;
-    const Pack a = dot(ray.n1, Ss), b = dot(ray.n1, St), c = dot(ray.n2, Ss), d = dot(ray.n2, St);
-    const Pack inverse = inverse_or_zero(a * d - b * c);
-    const Pack ds = (b * g - d * f) * inverse, dt = (c * f - a * g) * inverse;
-    Pack distance = 0.0;
-    for (int k = 0; k < 3; ++k) distance = distance + (S[k] + ds * Ss[k] + dt * St[k] - ray.o[k]) * ray.d[k];
-    distance = distance * ray.inverse_dd;
-    for (int k = 0; k < kPack; ++k) {
-      const LaneMask bit = LaneMask{1} << (first + k);
-      if (!(wanted & bit) || (done & bit)) continue;
-      const double size = std::max(std::abs(ds.v[k]), std::abs(dt.v[k]));
-      // A singular Jacobian (inverse 0) is not the end of anything.
-      if (inverse.v[k] == 0 || !(size < kLastChartStep)) continue;
-      done |= bit;
-      roots.s[first + k] = s.v[k] + ds.v[k];
-      roots.t[first + k] = t.v[k] + dt.v[k];
-      roots.distance[first + k] = distance.v[k];
-      roots.steps[first + k] += static_cast<float>(step + 1);
-    }
-    const Pack::Eight lo = Pack::Eight{} - kBeyondChart, hi = Pack::Eight{} + (1 + kBeyondChart);
-    const Pack next_s = s + ds, next_t = t + dt;
-    s.v = next_s.v < lo ? lo : next_s.v > hi ? hi : next_s.v;
-    t.v = next_t.v < lo ? lo : next_t.v > hi ? hi : next_t.v;
+    ds = slopes.step_s(f, g);
+    dt = slopes.step_t(f, g);
+    const Pack off[3] = {S[0] - ray.o[0], S[1] - ray.o[1], S[2] - ray.o[2]};
+    distance = (dot(ray.d, off) + ds * slopes.along_s + dt * slopes.along_t) * ray.inverse_dd;
   }
-  return done;
+  double size(int k) const { return std::max(std::abs(ds.v[k]), std::abs(dt.v[k])); }
+};
+
+// Horner in both directions.
+inline void spline_derivatives(const SplinePiece& piece, const Pack& unit_s, const Pack& unit_t, Pack* Ss, Pack* St) {
+  const Pack x = unit_s - Pack(0.5), y = unit_t - Pack(0.5);
+  for (int c = 0; c < 3; ++c) {
+    Pack value(0.0), by_s(0.0), by_t(0.0);
+    for (int i = piece.pu; i >= 0; --i) {
+      const double* row = piece.powers + 3 * i * (piece.pv + 1) + c;
+      Pack along(0.0), slope(0.0);
+      for (int j = piece.pv; j >= 0; --j) {
+        slope = slope * y + along;
+        along = along * y + Pack(row[3 * j]);
+      }
+      by_s = by_s * x + value;
+      value = value * x + along;
+      by_t = by_t * x + slope;
+    }
+    Ss[c] = by_s * (1 / piece.size.x);
+    St[c] = by_t * (1 / piece.size.y);
+  }
 }
 
+// Newton of one pack. Returns the lanes that end, with their roots.
 template <class Basis>
-inline LaneMask all_packs(const PatchChart& chart, const Basis& basis, const LocalRays& rays, LeafRoots& roots) {
-  constexpr LaneMask kFirst = (LaneMask{1} << kPack) - 1;
+class PackNewton {
+ public:
+  PackNewton(const PatchChart& chart, const Basis& basis, const SplinePiece& piece, PackedRays& ray, LeafRoots& roots)
+      : chart_(chart), basis_(basis), piece_(piece), ray_(ray), roots_(roots) {}
+
+  LaneMask run() {
+    for (int k = 0; k < ray_.count; ++k) open_ |= 1u << k;
+    const bool cheap = chart_.basis.kind == PatchKind::gregory_quad || chart_.basis.kind == PatchKind::gregory_triangle;
+    if (!cheap) with_slopes_of_spline();
+    with_own_slopes();
+    return done_;
+  }
+
+ private:
+  // The chart lies so close to its spline that the spline's derivatives are nearly its own: each step leaves as small a share of what was
+  // left as the last one did, and points are cheap beside derivatives.
+  void with_slopes_of_spline() {
+    Pack Ss[3], St[3];
+    spline_derivatives(piece_, ray_.unit_s, ray_.unit_t, Ss, St);
+    const Slopes slopes(ray_, Ss, St);
+    Pack W[kMostPoints];
+    double last[kPack] = {};
+    for (int step = 0; step < kMostPointSteps && open_; ++step) {
+      patch_weights<Pack>(basis_, ray_.s, ray_.t, W);
+      ++steps_;
+      Pack S[3] = {0.0, 0.0, 0.0};
+      for (std::size_t m = 0; m < chart_.points.size(); ++m)
+        for (int c = 0; c < 3; ++c) S[c] = S[c] + W[m] * Pack(chart_.points[m][c]);
+      const Standing at(ray_, S, slopes);
+      bool slow = false;
+      for (int k = 0; k < kPack; ++k) {
+        if (!(open_ >> k & 1)) continue;
+        const double size = at.size(k);
+        if (slopes.inverse.v[k] == 0 || (step > 0 && !(size < kMostShare * last[k])))
+          slow = true;
+        else if (step > 0 && size * size < kLeftOnChart * last[k])
+          end(k, at);
+        last[k] = size;
+      }
+      move(at);
+      if (slow) return;
+    }
+  }
+
+  void with_own_slopes() {
+    Dual1<Pack> W[kMostPoints];
+    for (int step = 0; step < kMostSteps && open_; ++step) {
+      patch_weights<Dual1<Pack>>(basis_, {ray_.s, 1.0, 0.0}, {ray_.t, 0.0, 1.0}, W);
+      ++steps_;
+      Pack S[3] = {0.0, 0.0, 0.0}, Ss[3] = {0.0, 0.0, 0.0}, St[3] = {0.0, 0.0, 0.0};
+      for (std::size_t m = 0; m < chart_.points.size(); ++m)
+        for (int c = 0; c < 3; ++c) {
+          const Pack p(chart_.points[m][c]);
+          S[c] = S[c] + W[m].f * p;
+          Ss[c] = Ss[c] + W[m].u * p;
+          St[c] = St[c] + W[m].v * p;
+        }
+      const Slopes slopes(ray_, Ss, St);
+      const Standing at(ray_, S, slopes);
+      for (int k = 0; k < kPack; ++k)  // a singular Jacobian (inverse 0) is not the end of anything
+        if ((open_ >> k & 1) && slopes.inverse.v[k] != 0 && at.size(k) < kLastChartStep) end(k, at);
+      move(at);
+    }
+  }
+
+  void end(int k, const Standing& at) {
+    const int lane = ray_.lane[k];
+    open_ &= ~(1u << k);
+    done_ |= LaneMask{1} << lane;
+    roots_.s[lane] = ray_.s.v[k] + at.ds.v[k];
+    roots_.t[lane] = ray_.t.v[k] + at.dt.v[k];
+    roots_.distance[lane] = at.distance.v[k];
+    roots_.steps[lane] += static_cast<float>(steps_);
+  }
+
+  void move(const Standing& at) {
+    const Pack::Eight lo = Pack::Eight{} - kBeyondChart, hi = Pack::Eight{} + (1 + kBeyondChart);
+    const Pack s = ray_.s + at.ds, t = ray_.t + at.dt;
+    ray_.s.v = s.v < lo ? lo : s.v > hi ? hi : s.v;
+    ray_.t.v = t.v < lo ? lo : t.v > hi ? hi : t.v;
+  }
+
+  const PatchChart& chart_;
+  const Basis& basis_;
+  const SplinePiece& piece_;
+  PackedRays& ray_;
+  LeafRoots& roots_;
+  LaneMask done_ = 0;  // of the packet
+  unsigned open_ = 0;  // of the pack
+  unsigned steps_ = 0;
+};
+
+template <class Basis>
+inline LaneMask all_packs(const PatchChart& chart, const Basis& basis, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots) {
   LaneMask done = 0;
-  for (int first = 0; first < kWidth; first += kPack)
-    if (const LaneMask wanted = roots.found & (kFirst << first)) done |= newton(chart, basis, rays, first, wanted, roots);
+  for (LaneMask left = roots.found; left;) {
+    PackedRays ray;
+    for (; left && ray.count < kPack; left &= left - 1) ray.lane[ray.count++] = __builtin_ctz(left);
+    ray.gather(rays, piece, roots);
+    done |= PackNewton<Basis>(chart, basis, piece, ray, roots).run();
+  }
   return roots.found & ~done;
 }
 
@@ -164,20 +276,24 @@ inline LaneMask all_packs(const PatchChart& chart, const Basis& basis, const Loc
 #else
 #define ISOPHOTE_COMPILED_FOR(set) __attribute__((target(set), flatten))
 #endif
-ISOPHOTE_COMPILED_FOR("arch=x86-64-v4") LaneMask with_avx512(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) {
-  return all_packs(chart, chart.basis, rays, roots);
+ISOPHOTE_COMPILED_FOR("arch=x86-64-v4")
+LaneMask with_avx512(const PatchChart& chart, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots) {
+  return all_packs(chart, chart.basis, piece, rays, roots);
 }
-ISOPHOTE_COMPILED_FOR("arch=x86-64-v3") LaneMask with_avx2(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) {
-  return all_packs(chart, chart.basis, rays, roots);
+ISOPHOTE_COMPILED_FOR("arch=x86-64-v3")
+LaneMask with_avx2(const PatchChart& chart, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots) {
+  return all_packs(chart, chart.basis, piece, rays, roots);
 }
-LaneMask with_any(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) { return all_packs(chart, chart.basis, rays, roots); }
+LaneMask with_any(const PatchChart& chart, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots) {
+  return all_packs(chart, chart.basis, piece, rays, roots);
+}
 
 }  // namespace chart_lanes
 
 HWY_EXPORT(chart_newton);
-LaneMask roots_on_chart(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots) {
+LaneMask roots_on_chart(const PatchChart& chart, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots) {
   if (chart.points.size() > chart_lanes::kMostPoints) return roots.found;
-  return HWY_DYNAMIC_DISPATCH(chart_newton)(chart, rays, roots);
+  return HWY_DYNAMIC_DISPATCH(chart_newton)(chart, piece, rays, roots);
 }
 
 }  // namespace iso

@@ -22,9 +22,16 @@ struct ChartRoot {
 // Newton from a root of the spline.
 ChartRoot root_on_chart(const PatchChart& chart, const LocalRay& ray, const Vec2& start);
 
-// The same of several rays at once: (s, t) of the roots are those of the chart. Returns the lanes for which it did not end; theirs are left
-// as they were, for `root_on_chart`. Instruction sets differ by rounding.
-LaneMask roots_on_chart(const PatchChart& chart, const LocalRays& rays, LeafRoots& roots);
+// A polynomial piece of the spline: powers about the middle of its unit square, as PartGeometry::powers, and where on the chart it lies.
+struct SplinePiece {
+  const double* powers;
+  int pu, pv;
+  Vec2 low, size;
+};
+
+// The same of several rays at once, from their roots in the piece's unit square to those on the chart, in (s, t) of the chart. Returns the
+// lanes for which it did not end; theirs are left as they were, for `root_on_chart`. Instruction sets differ by rounding.
+LaneMask roots_on_chart(const PatchChart& chart, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots);
 
 // Steps smaller than this (of the chart's square) are taken, and the last: the next would be its square.
 inline constexpr double kLastChartStep = 1e-7;

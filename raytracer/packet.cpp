@@ -192,20 +192,17 @@ class Offers final : public RootSink {
   // Roots of the spline beside a chart.
   void found_beside(const LeafRoots& roots) {
     LeafRoots exact = roots;
+    const BezierPiece& piece = patch_.piece;
+    const Box2 box = piece.native_box();
+    const LaneMask left = roots_on_chart(*chart_, {&geometry_.powers[patch_.powers], piece.patch.pu, piece.patch.pv, box.lo, box.size()},
+                                         packet_.local, exact);
     for_each_lane(roots.found, [&](int lane) {
-      const UV uv = patch_.piece.to_native({roots.s[lane], roots.t[lane]});
-      exact.s[lane] = uv.x;
-      exact.t[lane] = uv.y;
-    });
-    const LaneMask left = roots_on_chart(*chart_, packet_.local, exact);
-    for_each_lane(roots.found, [&](int lane) {
-      const UV uv{exact.s[lane], exact.t[lane]};
+      if (left >> lane & 1)
+        return propose_on_chart(lane, piece.to_native({roots.s[lane], roots.t[lane]}), HitStatus::converged,
+                                static_cast<unsigned>(roots.steps[lane]));
       const unsigned steps = static_cast<unsigned>(exact.steps[lane]);
       packet_.stats->newton_steps += steps;
-      if (left >> lane & 1)
-        propose_on_chart(lane, uv, HitStatus::converged, steps);
-      else
-        propose(lane, uv, exact.distance[lane], HitStatus::converged, steps);
+      propose(lane, {exact.s[lane], exact.t[lane]}, exact.distance[lane], HitStatus::converged, steps);
     });
   }
 
