@@ -12,7 +12,9 @@ namespace {
 static_assert(Model::kCount == 10);
 constexpr double kRounding = 1e-14;    // sizes: what bounds and points may be rounded by
 constexpr double kSmallest = 0x1p-27;  // of a chart: a line that touches is not told from one that does not within its square
-constexpr double kKept = 0x1p-9;       // of a chart: smaller boxes are bounded anew each time
+constexpr double kKept = 0x1p-7;       // of a chart: smaller boxes are quartered anew each time,
+constexpr double kAsked = 0x1p-12;     // but for those where the formulas are asked
+constexpr double kSharp = 1.0 / 8;     // of what polynomials vary by: with a larger radius the formulas are asked again
 constexpr double kOneToOne = 0.9;      // how much of a tangent may vary, below 1
 constexpr double kBeyond = 1e-10;      // half widths: roots on a border are found from both sides of it
 const Vec2 kCorners[4] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};  // of a box, whose quarters they name
@@ -24,8 +26,9 @@ struct Place {
 
 // The formulas in doubles.
 Place place_at(const NSidedPatch& patch, const Vec2& st) {
-  std::vector<Dual2> W(patch.points.size());
-  weights_at(patch.basis, st, std::span<Dual2>(W));
+  thread_local std::vector<Dual1<double>> W;
+  W.resize(patch.points.size());
+  patch_weights<Dual1<double>>(patch.basis, {st.x, 1.0, 0.0}, {st.y, 0.0, 1.0}, W.data());
   Place sum;
   double w = 0, ws = 0, wt = 0;
   for (std::size_t m = 0; m < W.size(); ++m) {
@@ -50,6 +53,17 @@ NSidedPatch turned(const NSidedPatch& patch) {
     if (!patch.weights.empty()) next.weights[m] = patch.weights[static_cast<std::size_t>(from[m])];
   }
   return next;
+}
+
+// A model's polynomial.
+double value(const double c[Model::kCount], const Vec2& at) {
+  double sum = 0, by_a = 1;
+  for (int i = 0; i <= Model::kOrder; ++i, by_a *= at.x) {
+    double in_b = 0;
+    for (int j = Model::kOrder - i; j >= 0; --j) in_b = in_b * at.y + c[Model::index(i, j)];
+    sum += by_a * in_b;
+  }
+  return sum;
 }
 
 Vec3 absolute(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
@@ -78,7 +92,7 @@ PatchIntersector::PatchIntersector(const NSidedPatch& patch) {
   NSidedPatch centred = patch;
   for (Vec3& p : centred.points) p -= about_;
   for (int k = 0; k < patch.basis.sides; ++k) {
-    charts_.push_back({centred, {Bounds{}}});
+    charts_.push_back({centred, {bound(centred, Vec2(0.0), 1)}});
     centred = turned(centred);
   }
 }
@@ -89,11 +103,35 @@ std::size_t PatchIntersector::boxes() const {
   return sum;
 }
 
+Vec3 PatchIntersector::Models::varies() const {
+  Vec3 sum{0.0};
+  for (std::size_t k = 1; k < kTerms; ++k) sum += absolute(c[k]);
+  return sum;
+}
+
+// The same polynomials about the middle of a quarter, a = m + a' / 2, first in a, then in b.
+PatchIntersector::Models PatchIntersector::Models::quarter(const Vec2& corner) const {
+  constexpr int n = Model::kOrder;
+  const Vec2 m = corner - 0.5;
+  Models q = *this;
+  const auto at = [&](int i, int j) -> Vec3& { return q.c[static_cast<std::size_t>(Model::index(i, j))]; };
+  for (int j = 0; j < n; ++j)
+    for (int k = 0; k < n - j; ++k)
+      for (int i = n - j - 1; i >= k; --i) at(i, j) += m.x * at(i + 1, j);
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < n - i; ++k)
+      for (int j = n - i - 1; j >= k; --j) at(i, j) += m.y * at(i, j + 1);
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; i + j <= n; ++j) at(i, j) *= std::ldexp(1.0, -i - j);
+  return q;
+}
+
 // S and its tangents by the formulas, with bounds for numbers.
-void PatchIntersector::bound(const NSidedPatch& patch, Bounds& box) const {
-  const double half = 0.5 * box.width;
-  const Vec2 middle = box.lo + half;
-  std::vector<Enclosure> W(patch.points.size());
+PatchIntersector::Bounds PatchIntersector::bound(const NSidedPatch& patch, const Vec2& lo, double width) const {
+  const double half = 0.5 * width;
+  const Vec2 middle = lo + half;
+  thread_local std::vector<Enclosure> W;
+  W.resize(patch.points.size());
   patch_weights<Enclosure>(patch.basis, {Model(middle.x, half, 0), 1.0, 0.0}, {Model(middle.y, 0, half), 0.0, 1.0}, W.data());
   Enclosure S[3], weight;
   for (std::size_t m = 0; m < W.size(); ++m) {
@@ -101,59 +139,58 @@ void PatchIntersector::bound(const NSidedPatch& patch, Bounds& box) const {
     if (!patch.weights.empty()) weight = weight + w;
     for (int c = 0; c < 3; ++c) S[c] = S[c] + w * patch.points[m][c];
   }
+  Bounds box{.lo = lo, .width = width, .S = {}, .Ss = {}, .St = {}};
   for (int c = 0; c < 3; ++c) {
     if (!patch.weights.empty()) S[c] = S[c] / weight;
-    for (int k = 0; k < kTerms; ++k) box.c[static_cast<std::size_t>(k)][c] = S[c].f.c[static_cast<std::size_t>(k)];
-    box.radius[c] = S[c].f.radius + kRounding * size_;
-    box.Ss[c] = S[c].s.c[0];
-    box.St[c] = S[c].t.c[0];
-    box.rs[c] = S[c].s.spread() + kRounding * size_;
-    box.rt[c] = S[c].t.spread() + kRounding * size_;
+    for (const auto& [to, from] : {std::pair{&box.S, &S[c].f}, std::pair{&box.Ss, &S[c].s}, std::pair{&box.St, &S[c].t}}) {
+      for (std::size_t k = 0; k < kTerms; ++k) to->c[k][c] = from->c[k];
+      to->radius[c] = from->radius + kRounding * size_;
+    }
   }
-  box.known = true;
+  box.rs = box.Ss.varies() + box.Ss.radius;
+  box.rt = box.St.varies() + box.St.radius;
+  return box;
 }
 
-// Whether both planes of the line pass what is bounded: over the whole box, or over one quarter of it, by the polynomial about the
-// quarter's middle. Bounds that are not numbers bound nothing.
-bool PatchIntersector::may_meet(const Bounds& box, const Line& line) const {
-  for (const Vec3& n : line.n) {
-    double reach = glm::dot(absolute(n), box.radius);
-    for (std::size_t k = 1; k < kTerms; ++k) reach += std::abs(glm::dot(n, box.c[k]));
-    if (std::abs(glm::dot(n, box.c[0] - line.o)) > reach) return false;
-  }
+// Whether the radius is little beside what the polynomials vary by, or nothing but rounding.
+bool PatchIntersector::sharp(const Bounds& box) const {
+  const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
+  for (const Models* m : {&box.S, &box.Ss, &box.St})
+    if (!(largest(m->radius) <= std::max(kSharp * largest(m->varies()), 2 * kRounding * size_))) return false;
   return true;
 }
-bool PatchIntersector::may_meet_quarter(const Bounds& box, const Vec2& corner, const Line& line) const {
-  constexpr double kChoose[4][4] = {{1, 0, 0, 0}, {1, 1, 0, 0}, {1, 2, 1, 0}, {1, 3, 3, 1}};
-  constexpr double kHalf[4] = {1, 0.5, 0.25, 0.125};
-  const Vec2 m = corner - 0.5;
-  const double x[4] = {1, m.x, m.x * m.x, m.x * m.x * m.x}, y[4] = {1, m.y, m.y * m.y, m.y * m.y * m.y};
+
+PatchIntersector::Bounds PatchIntersector::quarter(const NSidedPatch& patch, const Bounds& box, const Vec2& corner) const {
+  const double half = 0.5 * box.width;
+  Bounds part{.lo = box.lo + half * corner, .width = half, .S = box.S.quarter(corner), .Ss = {}, .St = {}};
+  part.Ss = box.Ss.quarter(corner);
+  part.St = box.St.quarter(corner);
+  if (!sharp(part)) return bound(patch, part.lo, half);
+  part.rs = part.Ss.varies() + part.Ss.radius;
+  part.rt = part.St.varies() + part.St.radius;
+  part.asked = false;
+  return part;
+}
+
+// Whether both planes of the line pass what is bounded. Bounds that are not numbers bound nothing.
+bool PatchIntersector::may_meet(const Models& S, const Line& line) const {
   for (const Vec3& n : line.n) {
-    double quarter[4][4] = {};
-    for (int i = 0; i <= Model::kOrder; ++i)
-      for (int j = 0; i + j <= Model::kOrder; ++j) {
-        double c = glm::dot(n, box.c[static_cast<std::size_t>(Model::index(i, j))]);
-        if (i + j == 0) c -= glm::dot(n, line.o);
-        // c (x + a / 2)^i (y + b / 2)^j
-        for (int p = 0; p <= i; ++p)
-          for (int q = 0; q <= j; ++q) quarter[p][q] += c * kChoose[i][p] * x[i - p] * kHalf[p] * kChoose[j][q] * y[j - q] * kHalf[q];
-      }
-    double reach = glm::dot(absolute(n), box.radius);
-    for (int p = 0; p < 4; ++p)
-      for (int q = p == 0 ? 1 : 0; q < 4; ++q) reach += std::abs(quarter[p][q]);
-    if (std::abs(quarter[0][0]) > reach) return false;
+    double reach = glm::dot(absolute(n), S.radius);
+    for (std::size_t k = 1; k < kTerms; ++k) reach += std::abs(glm::dot(n, S.c[k]));
+    if (std::abs(glm::dot(n, S.c[0] - line.o)) > reach) return false;
   }
   return true;
 }
 
 // True if the chart over the box is one-to-one as seen along the line: then its root, if it has one, is found. In (a, b) of the box, with
-// Y the inverse of the middle of the derivatives: all roots in X lie in x - Y F(x) + (1 - Y F'(X)) (X - x), for any x in X.
+// Y the inverse of the middle of the derivatives: all roots in X lie in x - Y F(x) + (1 - Y F'(X)) (X - x), for any x in X. First F is the
+// box's polynomial with its radius, as long as that tells more; most boxes are settled by that. Then F is the formula.
 bool PatchIntersector::settle(const Chart& chart, const Bounds& box, const Line& line, Found& found) const {
   const double half = 0.5 * box.width;
   double A[2][2], R[2][2], Y[2][2], vary[2][2], fuzzy[2];
   for (int i = 0; i < 2; ++i) {
-    A[i][0] = half * glm::dot(line.n[i], box.Ss);
-    A[i][1] = half * glm::dot(line.n[i], box.St);
+    A[i][0] = half * glm::dot(line.n[i], box.Ss.c[0]);
+    A[i][1] = half * glm::dot(line.n[i], box.St.c[0]);
     R[i][0] = half * glm::dot(absolute(line.n[i]), box.rs);
     R[i][1] = half * glm::dot(absolute(line.n[i]), box.rt);
   }
@@ -169,27 +206,48 @@ bool PatchIntersector::settle(const Chart& chart, const Bounds& box, const Line&
   }
 
   Box2 X{Vec2(-1 - kBeyond), Vec2(1 + kBeyond)};
-  Vec2 x(0.0);
+  const auto narrow = [&](const Vec2& x, const Vec2& newton, const Vec2& unsure) {
+    const Vec2 far = glm::max(X.hi - x, x - X.lo);
+    for (int i = 0; i < 2; ++i) {
+      const double wide = vary[i][0] * far.x + vary[i][1] * far.y + unsure[i] + fuzzy[i];
+      X.lo[i] = std::max(X.lo[i], x[i] - newton[i] - wide);
+      X.hi[i] = std::min(X.hi[i], x[i] - newton[i] + wide);
+    }
+  };
+  const auto times_Y = [&](const double F[2]) { return Vec2{Y[0][0] * F[0] + Y[0][1] * F[1], Y[1][0] * F[0] + Y[1][1] * F[1]}; };
+
+  double c[2][kTerms], radius[2];
+  for (int i = 0; i < 2; ++i) {
+    for (std::size_t k = 0; k < kTerms; ++k) c[i][k] = glm::dot(line.n[i], box.S.c[k]);
+    c[i][0] -= glm::dot(line.n[i], line.o);
+    radius[i] = glm::dot(absolute(line.n[i]), box.S.radius);
+  }
+  const Vec2 unsure{std::abs(Y[0][0]) * radius[0] + std::abs(Y[0][1]) * radius[1],
+                    std::abs(Y[1][0]) * radius[0] + std::abs(Y[1][1]) * radius[1]};
+  for (double before = kInf, now = glm::length(X.size()); now < 0.5 * before; before = now, now = glm::length(X.size())) {
+    const Vec2 x = X.middle();
+    double F[2];
+    for (int i = 0; i < 2; ++i) F[i] = value(c[i], x);
+    narrow(x, times_Y(F), unsure);
+    if (X.empty()) return true;
+  }
+
+  Vec2 x = X.middle();
   for (int step = 0; step < 200; ++step) {
     const Vec2 st = box.lo + half * (x + 1.0);
     const Place at = place_at(chart.patch, st);
     const double F[2] = {glm::dot(line.n[0], at.S - line.o), glm::dot(line.n[1], at.S - line.o)};
-    const Vec2 newton{Y[0][0] * F[0] + Y[0][1] * F[1], Y[1][0] * F[0] + Y[1][1] * F[1]};
+    const Vec2 newton = times_Y(F);
     if ((std::abs(newton.x) <= fuzzy[0] && std::abs(newton.y) <= fuzzy[1]) || glm::length(X.size()) < 1e-12) {
       found.meetings.push_back(meeting_at(found.chart, st, at, line.o, line.d, false));
       return true;
     }
-    const Vec2 far = glm::max(X.hi - x, x - X.lo);
-    for (int i = 0; i < 2; ++i) {
-      const double wide = vary[i][0] * far.x + vary[i][1] * far.y + fuzzy[i];
-      X.lo[i] = std::max(X.lo[i], x[i] - newton[i] - wide);
-      X.hi[i] = std::min(X.hi[i], x[i] - newton[i] + wide);
-    }
+    narrow(x, newton, Vec2(0.0));
     if (X.empty()) return true;
     // From Newton's next point, which need not be in X.
-    const double a = half * glm::dot(line.n[0], at.Ss), b = half * glm::dot(line.n[0], at.St), c = half * glm::dot(line.n[1], at.Ss),
-                 d = half * glm::dot(line.n[1], at.St), D = a * d - b * c;
-    const Vec2 next = D != 0 ? x - Vec2(d * F[0] - b * F[1], a * F[1] - c * F[0]) / D : X.middle();
+    const double a = half * glm::dot(line.n[0], at.Ss), b = half * glm::dot(line.n[0], at.St), e = half * glm::dot(line.n[1], at.Ss),
+                 g = half * glm::dot(line.n[1], at.St), D = a * g - b * e;
+    const Vec2 next = D != 0 ? x - Vec2(g * F[0] - b * F[1], a * F[1] - e * F[0]) / D : X.middle();
     x = finite(next) ? glm::clamp(next, X.lo, X.hi) : X.middle();
   }
   return false;
@@ -200,33 +258,28 @@ void PatchIntersector::leave_doubtful(const Chart& chart, const Bounds& box, con
   found.meetings.push_back(meeting_at(found.chart, middle, place_at(chart.patch, middle), line.o, line.d, true));
 }
 
-void PatchIntersector::search_deep(const Chart& chart, Bounds box, const Line& line, Found& found) const {
-  bound(chart.patch, box);
-  if (!may_meet(box, line) || settle(chart, box, line, found)) return;
+void PatchIntersector::search_deep(const Chart& chart, const Bounds& box, const Line& line, Found& found) const {
+  if (!may_meet(box.S, line) || settle(chart, box, line, found)) return;
   if (box.width <= kSmallest) return leave_doubtful(chart, box, line, found);
-  const double half = 0.5 * box.width;
-  for (const Vec2& corner : kCorners)
-    if (may_meet_quarter(box, corner, line)) search_deep(chart, {.lo = box.lo + half * corner, .width = half}, line, found);
+  for (const Vec2& corner : kCorners) search_deep(chart, quarter(chart.patch, box, corner), line, found);
 }
 
 void PatchIntersector::search(Chart& chart, int index, const Line& line, Found& found) const {
   const auto at = static_cast<std::size_t>(index);
-  if (!chart.tree[at].known) bound(chart.patch, chart.tree[at]);
-  const Bounds box = chart.tree[at];
-  if (!may_meet(box, line) || settle(chart, box, line, found)) return;
-  const double half = 0.5 * box.width;
-  if (half < kKept) {
-    for (const Vec2& corner : kCorners)
-      if (may_meet_quarter(box, corner, line)) search_deep(chart, {.lo = box.lo + half * corner, .width = half}, line, found);
-    return;
-  }
-  if (box.children < 0) {
+  if (!may_meet(chart.tree[at].S, line) || settle(chart, chart.tree[at], line, found)) return;
+  if (chart.tree[at].children < 0) {
+    std::array<Bounds, 4> parts;
+    for (std::size_t k = 0; k < 4; ++k) parts[k] = quarter(chart.patch, chart.tree[at], kCorners[k]);
+    const bool asked = std::any_of(parts.begin(), parts.end(), [](const Bounds& part) { return part.asked; });
+    if (parts[0].width < (asked ? kAsked : kKept)) {
+      for (const Bounds& part : parts) search_deep(chart, part, line, found);
+      return;
+    }
     chart.tree[at].children = static_cast<int>(chart.tree.size());
-    for (const Vec2& corner : kCorners) chart.tree.push_back({.lo = box.lo + half * corner, .width = half});
+    chart.tree.insert(chart.tree.end(), parts.begin(), parts.end());
   }
   const int first = chart.tree[at].children;
-  for (int k = 0; k < 4; ++k)
-    if (may_meet_quarter(box, kCorners[k], line)) search(chart, first + k, line, found);
+  for (int k = 0; k < 4; ++k) search(chart, first + k, line, found);
 }
 
 std::vector<PatchMeeting> PatchIntersector::all(const Vec3& o, const Vec3& d) {

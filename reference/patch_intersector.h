@@ -6,7 +6,9 @@
 // one root at most, and Krawczyk's operator finds it or proves that there is none [Krawczyk 1969; Neumaier 1990, 5.1]; all others are
 // divided. What is left at kSmallest touches the line, or is met in a corner, and is said to be doubtful.
 //
-// Bounds of boxes are kept: rays by the hundred thousand are affordable. Not for several threads at once.
+// Bounds hold on every part of their box: a quarter takes over the polynomials about its own middle, and the formulas are asked again only
+// where the radius, which stays, has become a good part of what the polynomials vary by. Bounds of boxes that are not small are kept: rays
+// by the million are affordable. Not for several threads at once.
 #pragma once
 
 #include <array>
@@ -40,15 +42,22 @@ class PatchIntersector {
  private:
   static constexpr int kTerms = 10;  // of Model
 
-  // Bounds over a square of (s, t) with the lower corner `lo`.
+  // Three coordinates as models.
+  struct Models {
+    std::array<Vec3, kTerms> c{};
+    Vec3 radius{0.0};
+
+    Vec3 varies() const;  // without the radius
+    Models quarter(const Vec2& corner) const;
+  };
+  // Bounds over a square of (s, t) with the lower corner `lo`: of S - about, and of the tangents.
   struct Bounds {
     Vec2 lo{0.0};
     double width = 1;
-    std::array<Vec3, kTerms> c{};             // S - about, as a model's coefficients
-    Vec3 radius{0.0};                         // and its radius
-    Vec3 Ss{0.0}, St{0.0}, rs{0.0}, rt{0.0};  // tangents: middle and half width of intervals
-    int children = -1;                        // the first of four
-    bool known = false;
+    Models S, Ss, St;
+    Vec3 rs{0.0}, rt{0.0};  // how far tangents are from those in the middle
+    int children = -1;      // the first of four
+    bool asked = true;      // the formulas, not the box around
   };
   struct Chart {
     NSidedPatch patch;  // turned, about the middle of its points
@@ -60,12 +69,13 @@ class PatchIntersector {
   };
   struct Found;
 
-  void bound(const NSidedPatch& patch, Bounds& box) const;
-  bool may_meet(const Bounds& box, const Line& line) const;
-  bool may_meet_quarter(const Bounds& box, const Vec2& corner, const Line& line) const;
+  Bounds bound(const NSidedPatch& patch, const Vec2& lo, double width) const;
+  bool sharp(const Bounds& box) const;
+  Bounds quarter(const NSidedPatch& patch, const Bounds& box, const Vec2& corner) const;
+  bool may_meet(const Models& S, const Line& line) const;
   bool settle(const Chart& chart, const Bounds& box, const Line& line, Found& found) const;
   void search(Chart& chart, int index, const Line& line, Found& found) const;
-  void search_deep(const Chart& chart, Bounds box, const Line& line, Found& found) const;
+  void search_deep(const Chart& chart, const Bounds& box, const Line& line, Found& found) const;
   void leave_doubtful(const Chart& chart, const Bounds& box, const Line& line, Found& found) const;
 
   Vec3 about_{0.0};

@@ -17,8 +17,9 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261123;
 constexpr std::size_t kBatch = 1024;
-constexpr double kSame = 1e-9;    // sizes: meetings of both routes so near are one
-constexpr double kAlong = 1e-14;  // sizes: rounding, which a ray that meets a surface flatly moves along it by one over the cosine
+constexpr double kSame = 1e-9;            // sizes: meetings of both routes so near are one
+constexpr double kAlong = 1e-14;          // sizes: rounding, which a ray that meets a surface flatly moves along it by one over the cosine,
+constexpr double kFlat = kAlong / kSame;  // below this cosine by more than kSame: it dips into the surface by next to nothing
 // Radians, where the normal is well told: the tangents not along each other and the ray not along the surface.
 constexpr double kSameNormal = 1e-9, kApart = 1e-2, kSteep = 1e-2;
 // A meeting that one route misses: chart and spline lie `error` apart, so a dip of twice that may be missing, or be none.
@@ -36,16 +37,18 @@ struct Meeting {
 };
 
 struct Found {
-  std::uint64_t patches = 0, rays = 0, both = 0, touching_both = 0, normals = 0, touching = 0, at_border = 0, only_tracer = 0,
+  std::uint64_t patches = 0, rays = 0, both = 0, flat = 0, touching_both = 0, normals = 0, touching = 0, at_border = 0, only_tracer = 0,
                 only_reference = 0, normals_differ = 0;
-  double farthest = 0, most_turned = 0, largest_error = 0;
+  double farthest = 0, farthest_flat = 0, most_turned = 0, largest_error = 0;
   Told told;
 
   void add(const Found& o) {
-    for (std::uint64_t Found::*m : {&Found::patches, &Found::rays, &Found::both, &Found::touching_both, &Found::normals, &Found::touching,
-                                    &Found::at_border, &Found::only_tracer, &Found::only_reference, &Found::normals_differ})
+    for (std::uint64_t Found::*m :
+         {&Found::patches, &Found::rays, &Found::both, &Found::flat, &Found::touching_both, &Found::normals, &Found::touching,
+          &Found::at_border, &Found::only_tracer, &Found::only_reference, &Found::normals_differ})
       this->*m += o.*m;
-    for (double Found::*m : {&Found::farthest, &Found::most_turned, &Found::largest_error}) this->*m = std::max(this->*m, o.*m);
+    for (double Found::*m : {&Found::farthest, &Found::farthest_flat, &Found::most_turned, &Found::largest_error})
+      this->*m = std::max(this->*m, o.*m);
     told.add(o.told);
   }
 };
@@ -115,12 +118,16 @@ class Routes {
       for (Meeting& k : traced) {
         const double apart = glm::length(m.p - k.p);
         const bool touching = m.touching || k.touching;
-        if (k.matched || m.matched || apart > (touching ? 1e3 * kSame : kSame + kAlong / std::abs(m.cosine)) * size_ ||
-            (!touching && m.cosine * k.cosine < 0))
-          continue;
+        const bool flat = std::abs(m.cosine) < kFlat;
+        const double same = touching ? 1e3 * kSame : flat ? kAlong / std::abs(m.cosine) : kSame;
+        if (k.matched || m.matched || apart > same * size_ || (!touching && m.cosine * k.cosine < 0)) continue;
         m.matched = k.matched = true;
         ++(touching ? f.touching_both : f.both);
-        if (!touching) f.farthest = std::max(f.farthest, apart / size_);
+        if (!touching) {
+          f.flat += flat;
+          double& farthest = flat ? f.farthest_flat : f.farthest;
+          farthest = std::max(farthest, apart / size_);
+        }
         compare_normals(ray, m, k, f);
       }
   }
@@ -198,11 +205,11 @@ void examine(PatchKind kind, std::uint64_t rays, bool few) {
   Found f = sums[0];
   f.add(sums[1]);
   fmt::print(
-      "[ measured ] {}: {} patches, error up to {:.2g} of the size; {} rays, {} meetings both ways, farthest {:.2g} of the size; {} "
-      "touching "
-      "both ways; on one side only: {} touching, {} at the border, tracer {}, reference {}; {} normals, turned by {:.2g}\n",
-      name_of(kind), f.patches, f.largest_error, f.rays, f.both, f.farthest, f.touching_both, f.touching, f.at_border, f.only_tracer,
-      f.only_reference, f.normals, f.most_turned);
+      "[ measured ] {}: {} patches, error up to {:.2g} of the size; {} rays, {} meetings both ways, farthest {:.2g} of the size ({:.2g} of "
+      "the {} with a cosine below {:.0e}); {} touching both ways; on one side only: {} touching, {} at the border, tracer {}, "
+      "reference {}; {} normals, turned by {:.2g}\n",
+      name_of(kind), f.patches, f.largest_error, f.rays, f.both, f.farthest, f.farthest_flat, f.flat, kFlat, f.touching_both, f.touching,
+      f.at_border, f.only_tracer, f.only_reference, f.normals, f.most_turned);
   EXPECT_EQ(f.rays, each * patches.size());
   EXPECT_GE(f.both, f.rays / 2);
   EXPECT_GE(f.normals, f.both / 2);
