@@ -33,7 +33,7 @@ NSidedPatch random_patch(const PatchBasis& basis, Random& random) {
 Vec3 on_spline(const PatchChart& chart, const Vec2& st) { return point(AnySurface(*chart.near), st); }
 
 // Where the distance is largest is not known: a grid, dense toward the corner.
-TEST(PatchChart, SplineIsNowhereFartherThanProven) {
+void spline_is_nowhere_farther_than_proven() {
   Tally tally("distance from the spline");
   double tightest = 0, loosest = kInf;
   std::string loose;
@@ -63,7 +63,7 @@ TEST(PatchChart, SplineIsNowhereFartherThanProven) {
 }
 
 // Of the weights alone: each spline against its weight, and of pairs by sum and half difference.
-TEST(PatchChart, SplinesOfWeightsAreNowhereFartherThanProven) {
+void splines_of_weights_are_nowhere_farther_than_proven() {
   Tally tally("weights");
   for (const PatchBasis& basis : blended_bases()) {
     const std::shared_ptr<const WeightSplines> splines = weight_splines(basis, 0);
@@ -97,7 +97,7 @@ TEST(PatchChart, SplinesOfWeightsAreNowhereFartherThanProven) {
 }
 
 // Along t = 0 the curve of side 1 from corner 0, along s = 0 that of side 0 back to the corner.
-TEST(PatchChart, SplineMeetsTheBoundaryCurves) {
+void spline_meets_the_boundary_curves() {
   Tally tally("boundary");
   for (const PatchBasis& basis : blended_bases()) {
     Random random(7);
@@ -114,7 +114,7 @@ TEST(PatchChart, SplineMeetsTheBoundaryCurves) {
 }
 
 // s = 1 of a chart is t = 1 of the next: (1, t) there is (t, 1) here. Both for the formulas and the splines.
-TEST(PatchChart, NeighboursShareTheirBorders) {
+void neighbours_share_their_borders() {
   Tally tally("borders of charts");
   for (const PatchBasis& basis : blended_bases()) {
     Random random(8);
@@ -134,6 +134,87 @@ TEST(PatchChart, NeighboursShareTheirBorders) {
     }
   }
   tally.finish_at_least(30u * 3 * 83);
+}
+
+// At the corner: the control point, half the first legs of both boundaries, and the spline's own first derivatives.
+void corner_has_the_legs_of_the_boundaries() {
+  Tally tally("corners");
+  for (const PatchBasis& basis : blended_bases()) {
+    Random random(10);
+    const NSidedPatch patch = random_patch(basis, random);
+    for (int k = 0; k < basis.sides; ++k) {
+      const PatchChart chart = chart_of(patch, k);
+      const std::vector<Vec3> next = chosen(patch.points, points_of_side(basis, (k + 1) % basis.sides)),
+                              back = chosen(patch.points, points_of_side(basis, k));
+      const double d = basis.degree;
+      const Vec3 legs[2] = {0.5 * d * (next[1] - next[0]), 0.5 * d * (back[back.size() - 2] - back.back())};
+      const Jet2 j = jet_of(chart, Vec2(0.0)), spline = jet2(*chart.near, Vec2(0.0));
+      const Tangents t = tangents_of(chart, Vec2(0.0));
+      const auto text = [&] { return fmt::format("{}, corner {}", told(basis), k); };
+      tally.within(glm::length(j.S - next[0]), kRounding, text);
+      for (const auto& [u, v] : {std::pair{j.Su, j.Sv}, std::pair{t.Ss, t.St}, std::pair{spline.Su, spline.Sv}}) {
+        tally.within(glm::length(u - legs[0]), 1e-12, text);
+        tally.within(glm::length(v - legs[1]), 1e-12, text);
+      }
+    }
+  }
+  tally.finish_at_least(30u * 3 * 7);
+}
+
+// On the chart and as far beyond it as Newton goes, at the corner and next to nothing beside it, on both sides.
+void everything_is_finite() {
+  Tally tally("finite");
+  const double places[] = {-0.02, -1e-3, -1e-8, -1e-15, -1e-100, 0, 1e-100, 1e-15, 1e-8, 1e-3, 0.3, 1 - 1e-15, 1, 1.02};
+  for (const PatchBasis& basis : blended_bases()) {
+    Random random(11);
+    const PatchChart chart = chart_of(random_patch(basis, random), 0);
+    for (const double s : places)
+      for (const double t : places) {
+        const Jet2 j = jet_of(chart, {s, t});
+        const bool holds =
+            finite(point_of(chart, {s, t})) && finite(j.S) && finite(j.Su) && finite(j.Sv) && finite(on_spline(chart, {s, t}));
+        tally.check(holds, [&] { return fmt::format("{}: st {} {}", told(basis), s, t); });
+      }
+  }
+  tally.finish_at_least(30u * 14 * 14);
+}
+
+// Beyond the borders formulas go on: no place near the corner is far from it, and no normal turns over, in any direction.
+void nothing_breaks_beside_the_corner() {
+  Tally tally("beside the corner");
+  for (const PatchBasis& basis : blended_bases()) {
+    if (basis.degree > 3) continue;
+    Random random(12);
+    const PatchChart chart = chart_of(random_patch(basis, random), 0);
+    const Jet2 corner = jet_of(chart, Vec2(0.0));
+    const Vec3 n = glm::normalize(glm::cross(corner.Su, corner.Sv));
+    for (const double radius : {1e-15, 1e-12, 1e-9, 1e-6, 1e-4})
+      for (int i = 0; i < 256; ++i) {
+        const double angle = kTwoPi * i / 256;
+        const Vec2 st = radius * Vec2(std::cos(angle), std::sin(angle));
+        const Jet2 j = jet_of(chart, st);
+        const Vec3 m = glm::normalize(glm::cross(j.Su, j.Sv));
+        const Tangents tangents = tangents_of(chart, st);
+        const Vec3 k = glm::normalize(glm::cross(tangents.Ss, tangents.St));
+        const auto text = [&] { return fmt::format("{}: st {} {}", told(basis), st.x, st.y); };
+        tally.within(glm::length(point_of(chart, st) - corner.S), 16 * radius + kRounding, text);
+        // Second derivatives of some tens; rounding.
+        tally.within(glm::length(m - n), 1e3 * radius + 1e-9, text);
+        tally.within(glm::length(k - n), 1e3 * radius + 1e-9, text);
+      }
+  }
+  tally.finish_at_least(15u * 5 * 256 * 3);
+}
+
+// In one test, since each is a process of its own and the splines of all bases take seconds to make.
+TEST(PatchChart, SplinesKeepTheirDistanceBordersAreSharedAndCornersHaveLimits) {
+  spline_is_nowhere_farther_than_proven();
+  splines_of_weights_are_nowhere_farther_than_proven();
+  spline_meets_the_boundary_curves();
+  neighbours_share_their_borders();
+  corner_has_the_legs_of_the_boundaries();
+  everything_is_finite();
+  nothing_breaks_beside_the_corner();
 }
 
 TEST(PatchChart, TranslationMovesChartAndSpline) {
@@ -185,76 +266,6 @@ TEST(PatchChart, SphereOctantIsOnTheSphere) {
         tally.within(std::abs(glm::length(jet_of(chart, Vec2(i, j) / 20.0).S) - 1), 1e-14, [&] { return fmt::format("{} {}", i, j); });
   }
   tally.finish(3 * 21 * 21);
-}
-
-// At the corner: the control point, half the first legs of both boundaries, and the spline's own first derivatives.
-TEST(PatchChart, CornerHasTheLegsOfTheBoundaries) {
-  Tally tally("corners");
-  for (const PatchBasis& basis : blended_bases()) {
-    Random random(10);
-    const NSidedPatch patch = random_patch(basis, random);
-    for (int k = 0; k < basis.sides; ++k) {
-      const PatchChart chart = chart_of(patch, k);
-      const std::vector<Vec3> next = chosen(patch.points, points_of_side(basis, (k + 1) % basis.sides)),
-                              back = chosen(patch.points, points_of_side(basis, k));
-      const double d = basis.degree;
-      const Vec3 legs[2] = {0.5 * d * (next[1] - next[0]), 0.5 * d * (back[back.size() - 2] - back.back())};
-      const Jet2 j = jet_of(chart, Vec2(0.0)), spline = jet2(*chart.near, Vec2(0.0));
-      const Tangents t = tangents_of(chart, Vec2(0.0));
-      const auto text = [&] { return fmt::format("{}, corner {}", told(basis), k); };
-      tally.within(glm::length(j.S - next[0]), kRounding, text);
-      for (const auto& [u, v] : {std::pair{j.Su, j.Sv}, std::pair{t.Ss, t.St}, std::pair{spline.Su, spline.Sv}}) {
-        tally.within(glm::length(u - legs[0]), 1e-12, text);
-        tally.within(glm::length(v - legs[1]), 1e-12, text);
-      }
-    }
-  }
-  tally.finish_at_least(30u * 3 * 7);
-}
-
-// On the chart and as far beyond it as Newton goes, at the corner and next to nothing beside it, on both sides.
-TEST(PatchChart, EverythingIsFinite) {
-  Tally tally("finite");
-  const double places[] = {-0.02, -1e-3, -1e-8, -1e-15, -1e-100, 0, 1e-100, 1e-15, 1e-8, 1e-3, 0.3, 1 - 1e-15, 1, 1.02};
-  for (const PatchBasis& basis : blended_bases()) {
-    Random random(11);
-    const PatchChart chart = chart_of(random_patch(basis, random), 0);
-    for (const double s : places)
-      for (const double t : places) {
-        const Jet2 j = jet_of(chart, {s, t});
-        const bool holds =
-            finite(point_of(chart, {s, t})) && finite(j.S) && finite(j.Su) && finite(j.Sv) && finite(on_spline(chart, {s, t}));
-        tally.check(holds, [&] { return fmt::format("{}: st {} {}", told(basis), s, t); });
-      }
-  }
-  tally.finish_at_least(30u * 14 * 14);
-}
-
-// Beyond the borders formulas go on: no place near the corner is far from it, and no normal turns over, in any direction.
-TEST(PatchChart, NothingBreaksBesideTheCorner) {
-  Tally tally("beside the corner");
-  for (const PatchBasis& basis : blended_bases()) {
-    if (basis.degree > 3) continue;
-    Random random(12);
-    const PatchChart chart = chart_of(random_patch(basis, random), 0);
-    const Jet2 corner = jet_of(chart, Vec2(0.0));
-    const Vec3 n = glm::normalize(glm::cross(corner.Su, corner.Sv));
-    for (const double radius : {1e-15, 1e-12, 1e-9, 1e-6, 1e-4})
-      for (int i = 0; i < 256; ++i) {
-        const double angle = kTwoPi * i / 256;
-        const Vec2 st = radius * Vec2(std::cos(angle), std::sin(angle));
-        const Jet2 j = jet_of(chart, st);
-        const Vec3 m = glm::normalize(glm::cross(j.Su, j.Sv));
-        const Tangents tangents = tangents_of(chart, st);
-        const Vec3 k = glm::normalize(glm::cross(tangents.Ss, tangents.St));
-        const auto text = [&] { return fmt::format("{}: st {} {}", told(basis), st.x, st.y); };
-        tally.within(glm::length(point_of(chart, st) - corner.S), 16 * radius + kRounding, text);
-        // Second derivatives of some tens; rounding.
-        tally.within(glm::length(m - n), 1e3 * radius + 1e-9, text);
-        tally.within(glm::length(k - n), 1e3 * radius + 1e-9, text);
-      }
-  }
-  tally.finish_at_least(15u * 5 * 256 * 3);
 }
 
 }  // namespace
