@@ -39,7 +39,7 @@ struct Meeting {
 struct Found {
   std::uint64_t patches = 0, rays = 0, both = 0, flat = 0, touching_both = 0, normals = 0, touching = 0, at_border = 0, only_tracer = 0,
                 only_reference = 0, normals_differ = 0;
-  double farthest = 0, farthest_flat = 0, most_turned = 0, largest_error = 0;
+  double farthest = 0, farthest_flat = 0, steepest_touching = 0, most_turned = 0, largest_error = 0;
   Told told;
 
   void add(const Found& o) {
@@ -47,7 +47,8 @@ struct Found {
          {&Found::patches, &Found::rays, &Found::both, &Found::flat, &Found::touching_both, &Found::normals, &Found::touching,
           &Found::at_border, &Found::only_tracer, &Found::only_reference, &Found::normals_differ})
       this->*m += o.*m;
-    for (double Found::*m : {&Found::farthest, &Found::farthest_flat, &Found::most_turned, &Found::largest_error})
+    for (double Found::*m :
+         {&Found::farthest, &Found::farthest_flat, &Found::steepest_touching, &Found::most_turned, &Found::largest_error})
       this->*m = std::max(this->*m, o.*m);
     told.add(o.told);
   }
@@ -166,9 +167,10 @@ class Routes {
       });
       const Tangents at = tangents_of(charts_[m.chart], m.st);
       const double to_border = std::min(m.st.x * glm::length(at.Ss), m.st.y * glm::length(at.St));
-      if (m.touching || pair || dip(ray, m) <= near)
+      if (m.touching || pair || dip(ray, m) <= near) {
         ++f.touching;
-      else if (to_border * std::abs(m.cosine) <= near)
+        f.steepest_touching = std::max(f.steepest_touching, std::abs(m.cosine));
+      } else if (to_border * std::abs(m.cosine) <= near)
         ++f.at_border;
       else {
         ++left;
@@ -206,10 +208,10 @@ void examine(PatchKind kind, std::uint64_t rays, bool few) {
   f.add(sums[1]);
   fmt::print(
       "[ measured ] {}: {} patches, error up to {:.2g} of the size; {} rays, {} meetings both ways, farthest {:.2g} of the size ({:.2g} of "
-      "the {} with a cosine below {:.0e}); {} touching both ways; on one side only: {} touching, {} at the border, tracer {}, "
-      "reference {}; {} normals, turned by {:.2g}\n",
+      "the {} with a cosine below {:.0e}); {} touching both ways; on one side only: {} touching (cosines up to {:.2g}), {} at the border, "
+      "tracer {}, reference {}; {} normals, turned by {:.2g}\n",
       name_of(kind), f.patches, f.largest_error, f.rays, f.both, f.farthest, f.farthest_flat, f.flat, kFlat, f.touching_both, f.touching,
-      f.at_border, f.only_tracer, f.only_reference, f.normals, f.most_turned);
+      f.steepest_touching, f.at_border, f.only_tracer, f.only_reference, f.normals, f.most_turned);
   EXPECT_EQ(f.rays, each * patches.size());
   EXPECT_GE(f.both, f.rays / 2);
   EXPECT_GE(f.normals, f.both / 2);
