@@ -162,15 +162,17 @@ inline void spline_derivatives(const SplinePiece& piece, const Pack& unit_s, con
   }
 }
 
-// Newton of one pack. Returns the lanes that end, with their roots.
+// Newton of one pack. Returns the lanes that end as they should, with their roots.
 template <class Basis>
 class PackNewton {
  public:
   PackNewton(const PatchChart& chart, const Basis& basis, const SplinePiece& piece, PackedRays& ray, LeafRoots& roots)
-      : chart_(chart), basis_(basis), piece_(piece), ray_(ray), roots_(roots) {}
+      : chart_(chart), basis_(basis), piece_(piece), ray_(ray), roots_(roots), going_((1u << ray.count) - 1) {
+    std::fill(last_, last_ + kPack, kBeyondChart / kChartContraction);
+  }
 
   LaneMask run() {
-    for (int k = 0; k < ray_.count; ++k) open_ |= 1u << k;
+    // Derivatives of these cost little more than those of a spline.
     const bool cheap = chart_.basis.kind == PatchKind::gregory_quad || chart_.basis.kind == PatchKind::gregory_triangle;
     if (!cheap) with_slopes_of_spline();
     with_own_slopes();
@@ -179,38 +181,43 @@ class PackNewton {
 
  private:
   // The chart lies so close to its spline that the spline's derivatives are nearly its own: each step leaves as small a share of what was
-  // left as the last one did, and points are cheap beside derivatives.
+  // left as the last one did, and points are cheap beside derivatives. Lanes for which that does not hold begin again.
   void with_slopes_of_spline() {
     Pack Ss[3], St[3];
     spline_derivatives(piece_, ray_.unit_s, ray_.unit_t, Ss, St);
     const Slopes slopes(ray_, Ss, St);
+    const Pack s = ray_.s, t = ray_.t;
     Pack W[kMostPoints];
-    double last[kPack] = {};
-    for (int step = 0; step < kMostPointSteps && open_; ++step) {
+    unsigned slow = 0;
+    for (int step = 0; step < kMostPointSteps && going_ & ~slow; ++step) {
       patch_weights<Pack>(basis_, ray_.s, ray_.t, W);
       ++steps_;
       Pack S[3] = {0.0, 0.0, 0.0};
       for (std::size_t m = 0; m < chart_.points.size(); ++m)
         for (int c = 0; c < 3; ++c) S[c] = S[c] + W[m] * Pack(chart_.points[m][c]);
       const Standing at(ray_, S, slopes);
-      bool slow = false;
       for (int k = 0; k < kPack; ++k) {
-        if (!(open_ >> k & 1)) continue;
+        if (!((going_ & ~slow) >> k & 1)) continue;
         const double size = at.size(k);
-        if (slopes.inverse.v[k] == 0 || (step > 0 && !(size < kMostShare * last[k])))
-          slow = true;
-        else if (step > 0 && size * size < kLeftOnChart * last[k])
+        if (slopes.inverse.v[k] == 0 || !(size <= (step == 0 ? kChartContraction : kMostShare) * last_[k]))
+          slow |= 1u << k;
+        else if (step > 0 && size * size < kLeftOnChart * last_[k])
           end(k, at);
-        last[k] = size;
+        last_[k] = size;
       }
       move(at);
-      if (slow) return;
     }
+    for (int k = 0; k < kPack; ++k)
+      if (slow >> k & 1) {
+        ray_.s.v[k] = s.v[k];
+        ray_.t.v[k] = t.v[k];
+        last_[k] = kBeyondChart / kChartContraction;
+      }
   }
 
   void with_own_slopes() {
     Dual1<Pack> W[kMostPoints];
-    for (int step = 0; step < kMostSteps && open_; ++step) {
+    for (int step = 0; step < kMostSteps && going_; ++step) {
       patch_weights<Dual1<Pack>>(basis_, {ray_.s, 1.0, 0.0}, {ray_.t, 0.0, 1.0}, W);
       ++steps_;
       Pack S[3] = {0.0, 0.0, 0.0}, Ss[3] = {0.0, 0.0, 0.0}, St[3] = {0.0, 0.0, 0.0};
@@ -223,15 +230,24 @@ class PackNewton {
         }
       const Slopes slopes(ray_, Ss, St);
       const Standing at(ray_, S, slopes);
-      for (int k = 0; k < kPack; ++k)  // a singular Jacobian (inverse 0) is not the end of anything
-        if ((open_ >> k & 1) && slopes.inverse.v[k] != 0 && at.size(k) < kLastChartStep) end(k, at);
+      for (int k = 0; k < kPack; ++k) {
+        if (!(going_ >> k & 1)) continue;
+        const double size = at.size(k);
+        // The other side of the surface, or (inverse 0) none.
+        const bool turned = roots_.turned >> ray_.lane[k] & 1, same_side = turned ? slopes.inverse.v[k] < 0 : slopes.inverse.v[k] > 0;
+        if (!same_side || !(size <= kChartContraction * last_[k]))
+          going_ &= ~(1u << k);
+        else if (size < kLastChartStep)
+          end(k, at);
+        last_[k] = size;
+      }
       move(at);
     }
   }
 
   void end(int k, const Standing& at) {
     const int lane = ray_.lane[k];
-    open_ &= ~(1u << k);
+    going_ &= ~(1u << k);
     done_ |= LaneMask{1} << lane;
     roots_.s[lane] = ray_.s.v[k] + at.ds.v[k];
     roots_.t[lane] = ray_.t.v[k] + at.dt.v[k];
@@ -251,8 +267,9 @@ class PackNewton {
   const SplinePiece& piece_;
   PackedRays& ray_;
   LeafRoots& roots_;
-  LaneMask done_ = 0;  // of the packet
-  unsigned open_ = 0;  // of the pack
+  unsigned going_;      // of the pack
+  double last_[kPack];  // steps
+  LaneMask done_ = 0;   // of the packet
   unsigned steps_ = 0;
 };
 

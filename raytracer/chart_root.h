@@ -1,7 +1,10 @@
 // From roots on the spline beside a chart of an n-sided patch to roots on the chart itself (patch_chart.h).
 //
 // Which rays meet a chart is decided by its spline, whose distance is proven and which neighbours share along their borders; where they
-// meet it, by the chart.
+// meet it, by the chart. A root keeps its sense on the way: what enters the spline enters the chart. Where the surface folds, a ray may
+// meet the two in different numbers of roots, and Newton may take a root of the one to the wrong root of the other. So its steps must
+// shrink at once and the ray must see the same side all the way; otherwise the root is followed through the surfaces between the two, (1 -
+// x) spline + x chart, none of which is farther from the chart than the spline is. It arrives, or the ray touches one of them.
 #pragma once
 
 #include "patches/surface/surface.h"
@@ -16,10 +19,11 @@ struct ChartRoot {
   Vec2 st{0.0};
   double t = 0;
   unsigned steps = 0;
-  bool met = true;  // false: the ray touches the spline but not the chart, within the distance of the two; the nearest point found
+  bool met = true;  // false: the ray touches a surface between spline and chart; (s, t) of the last root found on the way there, at most
+                    // the distance of the two off the ray
 };
 
-// Newton from a root of the spline.
+// From a root of the spline.
 ChartRoot root_on_chart(const PatchChart& chart, const LocalRay& ray, const Vec2& start);
 
 // A polynomial piece of the spline: powers about the middle of its unit square, as PartGeometry::powers, and where on the chart it lies.
@@ -29,13 +33,16 @@ struct SplinePiece {
   Vec2 low, size;
 };
 
-// The same of several rays at once, from their roots in the piece's unit square to those on the chart, in (s, t) of the chart. Returns the
-// lanes for which it did not end; theirs are left as they were, for `root_on_chart`. Instruction sets differ by rounding.
+// The same of several rays at once, without the surfaces between: from their roots in the piece's unit square to those on the chart, in
+// (s, t) of the chart. Returns the lanes for which it did not end as it should; theirs are left as they were, for `root_on_chart`.
+// Instruction sets differ by rounding.
 LaneMask roots_on_chart(const PatchChart& chart, const SplinePiece& piece, const LocalRays& rays, LeafRoots& roots);
 
 // Steps smaller than this (of the chart's square) are taken, and the last: the next would be its square.
 inline constexpr double kLastChartStep = 1e-7;
-// So far beyond its borders a chart may be followed.
+// So far beyond its borders a chart may be followed, and so long may a first step be.
 inline constexpr double kBeyondChart = 0.02;
+// Each of Newton's steps must be shorter than the one before by this: where it converges it soon squares them.
+inline constexpr double kChartContraction = 0.25;
 
 }  // namespace iso

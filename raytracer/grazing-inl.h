@@ -158,7 +158,7 @@ class GrazingRay {
       const Boxes<V> box{x, y, hn::Set(d, half_x), hn::Set(d, half_y), hn::Set(d, 1 / half_x), hn::Set(d, 1 / half_y)};
       const Polished<D> p = polish<kDegree, kComponents>(d, powers_, pu_, pv_, ray_, box, verdict.a, verdict.b, verdict.certain);
       const LaneMask found = bits_of(d, p.inside, 0);
-      if (found) tell(d, p, box, found);
+      if (found) tell(d, p, box, found, bits_of(d, p.turned, 0));
       open &= ~(found | bits_of(d, p.beside, 0));  // a root at the very border stays: smaller windows, then subdivision
     }
     for_each_lane(open, [&](int k) {
@@ -167,7 +167,7 @@ class GrazingRay {
     });
   }
 
-  void tell(D d, const Polished<D>& p, const Boxes<V>& box, LaneMask found) {
+  void tell(D d, const Polished<D>& p, const Boxes<V>& box, LaneMask found, LaneMask turned) {
     alignas(64) double s[kParts], t[kParts], distance[kParts], steps[kParts];
     const V half = hn::Set(d, 0.5);
     hn::Store(hn::Add(half, hn::MulAdd(box.half_x, p.a, box.x)), d, s);
@@ -181,6 +181,7 @@ class GrazingRay {
       roots.t[lane_] = t[k];
       roots.distance[lane_] = distance[k];
       roots.steps[lane_] = static_cast<float>(steps[k]);
+      roots.turned = (turned >> k & 1) << lane_;
       sink_.found(roots);
     });
   }

@@ -28,6 +28,7 @@ struct alignas(64) LeafRoots {
   Lanes<float> steps;      // Newton steps of the polish
   LaneMask found = 0;      // lanes with a root
   LaneMask none = 0;       // lanes without, proven
+  LaneMask turned = 0;     // of those with a root: the determinant of the two plane equations by (s, t) is negative
 };
 
 // A part of a patch's unit square.

@@ -44,6 +44,7 @@ struct Polished {
   V a, b;  // in half widths of the box
   V distance, steps;
   hn::Mask<D> inside, beside;  // a root in the box; one in the margin, so none in the box
+  hn::Mask<D> turned;          // LeafRoots::turned
 };
 
 // Newton from (a, b) for the lanes that are `going`.
@@ -51,13 +52,15 @@ template <int kDegree, int kComponents, class D, class V = hn::Vec<D>>
 HWY_INLINE Polished<D> polish(D d, const double* powers, int pu, int pv, const RayLanes<V>& rays, const Boxes<V>& box, V a, V b,
                               hn::Mask<D> going) {
   const V one = hn::Set(d, 1.0);
-  auto converged = hn::MaskFromVec(hn::Zero(d));
+  auto converged = hn::MaskFromVec(hn::Zero(d)), turned = converged;
   V distance = hn::Zero(d), steps = hn::Zero(d);
   for (int step = 0; step < kDoubleSteps; ++step) {
     PatchJet<V, kComponents> jet;
     evaluate<kDegree, kComponents>(d, powers, pu, pv, hn::MulAdd(box.half_x, a, box.x), hn::MulAdd(box.half_y, b, box.y), jet);
+    const PlaneJet<V> planes = plane_jet(jet, rays.planes);
+    const V inverse = inverse_determinant(planes);
     V dx, dy;
-    newton_step(jet, rays.planes, dx, dy);
+    newton_step(planes, inverse, dx, dy);
     const V da = hn::Mul(dx, box.to_a), db = hn::Mul(dy, box.to_b);
     a = hn::IfThenElse(going, hn::Add(a, da), a);
     b = hn::IfThenElse(going, hn::Add(b, db), b);
@@ -75,6 +78,7 @@ HWY_INLINE Polished<D> polish(D d, const double* powers, int pu, int pv, const R
       }
       distance = hn::IfThenElse(last, hn::Mul(sum, rays.inverse_dd), distance);
       converged = hn::Or(converged, last);
+      turned = hn::Or(turned, hn::And(last, hn::Lt(inverse, hn::Zero(d))));
     }
     const V far = hn::Max(hn::Abs(a), hn::Abs(b));
     going = hn::And(hn::AndNot(last, going), hn::Lt(far, hn::Set(d, static_cast<double>(kLeash))));
@@ -83,7 +87,7 @@ HWY_INLINE Polished<D> polish(D d, const double* powers, int pu, int pv, const R
   const V far = hn::Max(hn::Abs(a), hn::Abs(b));
   const auto inside = hn::And(converged, hn::Lt(far, hn::Set(d, 1 - kDoubtful)));
   const auto beside = hn::And(converged, hn::And(hn::Gt(far, hn::Set(d, 1 + kDoubtful)), hn::Lt(far, hn::Set(d, kCellMargin))));
-  return {a, b, distance, steps, inside, beside};
+  return {a, b, distance, steps, inside, beside, turned};
 }
 
 // The lanes of a packet that have a proposal, in their leaf.
@@ -99,6 +103,7 @@ HWY_INLINE void polish_lanes(D d, const double* powers, int pu, int pv, const Le
   const LaneMask polished = start.certain & lanes_from(first, hn::Lanes(d));
   roots.found |= bits_of(d, p.inside, first) & polished;
   roots.none |= bits_of(d, p.beside, first) & polished;
+  roots.turned |= bits_of(d, p.turned, first) & polished;
   const V half = hn::Set(d, 0.5);
   hn::Store(hn::Add(half, hn::MulAdd(box.half_x, p.a, box.x)), d, roots.s + first);
   hn::Store(hn::Add(half, hn::MulAdd(box.half_y, p.b, box.y)), d, roots.t + first);

@@ -17,15 +17,16 @@ constexpr std::uint64_t kSeed = 20261122;
 constexpr std::uint64_t kChunk = 4096;
 // Sizes: how far from its target a hit may lie, over the cosine: rounding of rays that start two sizes away.
 constexpr double kNear = 1e-14;
-// Sizes: two hits so near, in the same sense, are one that charts have in common.
+// Sizes: what a ray that leaves meets so near to its start is not told from the start by its length.
 constexpr double kTwice = 1e-9;
+// Sizes: so near to a vertex the charts about it are one plane, since what they bend over that distance is below rounding; where they fold
+// there, nothing tells one sheet from another.
+constexpr double kAtVertex = 1e-8;
 // Below this cosine a target is not aimed at, and a hit says nothing about sides.
 constexpr double kGrazing = kGrazingCosine;
-// Of a chart. Where the polygons about a vertex do not lie side by side in its tangent plane, patches fold there: sides are not told.
-constexpr double kAtCorner = 1e-3;
 
 struct Found {
-  std::uint64_t lines = 0, met = 0, hits = 0, doubles = 0, odd = 0, touching = 0, folded = 0, unbalanced = 0, not_in_turn = 0;
+  std::uint64_t lines = 0, met = 0, hits = 0, doubles = 0, odd = 0, touching = 0, at_folds = 0, unbalanced = 0, not_in_turn = 0, astray = 0;
   std::uint64_t aimed = 0, missed = 0, missed_window = 0, without_normal = 0;
   std::uint64_t leaving = 0, inward = 0, flat = 0, leaked = 0, at_start = 0;
   Residuals residuals;
@@ -34,9 +35,9 @@ struct Found {
 
   void add(const Found& o) {
     for (std::uint64_t Found::*m :
-         {&Found::lines, &Found::met, &Found::hits, &Found::doubles, &Found::odd, &Found::touching, &Found::unbalanced, &Found::not_in_turn,
-          &Found::aimed, &Found::missed, &Found::missed_window, &Found::without_normal, &Found::leaving, &Found::inward, &Found::flat,
-          &Found::leaked, &Found::at_start})
+         {&Found::lines, &Found::met, &Found::hits, &Found::doubles, &Found::odd, &Found::touching, &Found::at_folds, &Found::unbalanced,
+          &Found::not_in_turn, &Found::astray, &Found::aimed, &Found::missed, &Found::missed_window, &Found::without_normal,
+          &Found::leaving, &Found::inward, &Found::flat, &Found::leaked, &Found::at_start})
       this->*m += o.*m;
     residuals.add(o.residuals);
     stats += o.stats;
@@ -69,6 +70,18 @@ class Subject {
     tell(f, chunks);
   }
 
+  // Lines that were once counted wrong.
+  void examine_lines(const std::vector<Ray>& lines) const {
+    Found f;
+    follow(lines, f);
+    EXPECT_EQ(f.lines, lines.size());
+    EXPECT_EQ(f.met, f.lines) << name_;
+    EXPECT_EQ(f.unbalanced, 0u) << name_;
+    EXPECT_EQ(f.astray, 0u) << name_;
+    f.residuals.finish(name_);
+    f.told.fail(name_);
+  }
+
  private:
   const Placed& placed() const { return tracer_.scene().placed.front(); }
   const std::vector<Face>& faces() const { return placed().part->faces; }
@@ -83,28 +96,55 @@ class Subject {
     follow(rays, f);
   }
 
-  // The hits that charts have in common counted once. +1 where the line enters, -1 where it leaves.
+  // The hits that charts have in common counted once: at one distance, in the same sense, both on the border of their chart or at a vertex.
+  // +1 where the line enters, -1 where it leaves. Not told: a hit that touches, which may stand for either or for none; and a vertex that
+  // is met in both senses, since the charts about it fold there: as sectors of one plane that close up around it they cover what lies
+  // beside it once in all, in the one sense or the other, or not at all.
   struct Senses {
-    int sum = 0;
+    int sum = 0, touching = 0, at_folds = 0;
     std::uint64_t doubles = 0;
-    bool touching = false, in_turn = true;
+    bool in_turn = true;
+
+    bool balanced() const { return std::abs(sum) <= touching + at_folds; }
+  };
+  // Hits kept so far.
+  struct Kept {
+    double t;
+    int sense;
+    bool on_border, at_vertex;
   };
   Senses senses_of(const Ray& ray, std::span<const Hit> hits, Found& f) const {
     Senses s;
-    std::vector<std::pair<double, int>> kept;
+    std::vector<Kept> kept;
     for (const Hit& hit : hits) {
-      const double cosine = glm::dot(tracer_.surface_point(hit).n, ray.d);
-      f.residuals.add(tracer_, ray, hit, cosine, size_);
-      s.touching = s.touching || hit.status == HitStatus::tangent || std::abs(cosine) < std::max(flat_, kGrazing);
+      const SurfacePoint at = tracer_.surface_point(hit);
+      const double cosine = glm::dot(at.n, ray.d);
+      measure(ray, hit, cosine, f);
+      if (hit.status == HitStatus::tangent) {
+        ++s.touching;
+        continue;
+      }
       const int sense = cosine < 0 ? 1 : -1;
-      const double near = kTwice * size_ / std::max(std::abs(cosine), kGrazing);
-      if (std::any_of(kept.begin(), kept.end(), [&](const auto& k) { return k.second == sense && hit.t - k.first < near; })) {
+      const double near = kMostResidual * size_ / std::max(std::abs(cosine), kGrazing);
+      const bool on_border = is_on_border(ray, hit.uv, at), at_vertex = is_at_vertex(hit.uv, at);
+      bool twice = false;
+      for (Kept& k : kept) {
+        if (hit.t - k.t >= near) continue;
+        if (at_vertex && k.at_vertex && k.sense != sense) {
+          twice = true;
+          s.at_folds += k.sense != 0;
+          s.sum -= k.sense;
+          k.sense = 0;
+        }
+        twice = twice || (k.sense == sense && ((on_border && k.on_border) || (at_vertex && k.at_vertex)));
+      }
+      if (twice) {
         ++s.doubles;
         continue;
       }
-      s.in_turn = s.in_turn && sense == (kept.empty() ? 1 : -kept.back().second);
+      s.in_turn = s.in_turn && sense == (kept.empty() ? 1 : -kept.back().sense);
       s.sum += sense;
-      kept.push_back({hit.t, sense});
+      kept.push_back({hit.t, sense, on_border, at_vertex});
     }
     return s;
   }
@@ -122,21 +162,35 @@ class Subject {
       f.hits += mine.size();
       f.doubles += senses.doubles;
       f.odd += mine.size() % 2;
-      const bool balanced = senses.sum == 0 && (senses.in_turn || !ball_);
+      f.touching += senses.touching > 0;
       f.not_in_turn += !senses.in_turn;
-      if (balanced) continue;
-      if (senses.touching)
-        ++f.touching;
-      else if (!ball_ && std::any_of(mine.begin(), mine.end(), at_corner))
-        ++f.folded;
-      else {
-        ++f.unbalanced;
-        f.told.add([&] { return text_of_line(rays[i], mine); });
-      }
+      f.at_folds += senses.at_folds > 0;
+      if (senses.balanced() && (senses.in_turn || senses.touching || !ball_)) continue;
+      ++f.unbalanced;
+      f.told.add([&] { return text_of_line(rays[i], mine); });
     }
   }
 
-  static bool at_corner(const Hit& hit) { return glm::length(hit.uv) < kAtCorner; }
+  // A ray that touches passes the chart at the distance of its spline at most.
+  void measure(const Ray& ray, const Hit& hit, double cosine, Found& f) const {
+    if (hit.status != HitStatus::tangent) return f.residuals.add(tracer_, ray, hit, cosine, size_);
+    const double off = glm::length(ray.o + hit.t * ray.d - tracer_.surface_point(hit).p);
+    if (off <= std::get<PatchChart>(tracer_.face(hit).surface).error + kMostResidual * size_) return;
+    ++f.astray;
+    f.told.add([&] { return fmt::format("touches {:.3g} of the size away: {}", off / size_, text_of_line(ray, {&hit, 1})); });
+  }
+
+  // As the line sees it, by rounding: (s, t) of a hit where the chart is steep or small may be off by much more.
+  bool seen_near(const Ray& ray, const Vec3& away) const {
+    return glm::length(away - glm::dot(away, ray.d) * ray.d) <= kMostResidual * size_;
+  }
+  bool is_on_border(const Ray& ray, const Vec2& st, const SurfacePoint& at) const {
+    return seen_near(ray, st.x * at.Su) || seen_near(ray, (1 - st.x) * at.Su) || seen_near(ray, st.y * at.Sv) ||
+           seen_near(ray, (1 - st.y) * at.Sv);
+  }
+  bool is_at_vertex(const Vec2& st, const SurfacePoint& at) const {
+    return glm::length(st) < 0.5 && glm::length(st.x * at.Su + st.y * at.Sv) <= kAtVertex * size_;
+  }
 
   std::string text_of_line(const Ray& ray, std::span<const Hit> hits) const {
     std::string text = text_of(ray);
@@ -209,7 +263,7 @@ class Subject {
         ++f.missed_window;
         f.told.add([&] { return fmt::format("nothing at the target, t {:.17g} +- {:.2g}, {}", targets[i], reach[i], text_of(open[i])); });
       } else {
-        f.residuals.add(tracer_, window[i], at[i], cosine_at(tracer_, at[i], window[i]), size_);
+        measure(window[i], at[i], cosine_at(tracer_, at[i], window[i]), f);
       }
     }
     follow(lines, f);
@@ -227,24 +281,37 @@ class Subject {
     std::vector<Hit> hits(rays.size());
     tracer_.nearest(rays, hits, Tracer::Order::scattered, f.stats);
     std::vector<Ray> away, lines;
+    std::vector<Hit> starts;
     std::vector<double> steep;
     for (const Hit& hit : hits) {
-      if (!hit || (!ball_ && at_corner(hit))) continue;
+      if (!hit) continue;
       const SurfacePoint at = tracer_.surface_point(hit);
+      if (!ball_ && is_at_vertex(hit.uv, at)) continue;
       if (!finite(at.n) || at.n == Vec3(0.0)) {
         ++f.without_normal;
         continue;
       }
       const Vec3 d = random_direction(random);
+      starts.push_back(hit);
       away.push_back(secondary_ray(hit, at, d));
       lines.push_back({at.p - 3 * size_ * d, d, 3 * size_ - kTwice * size_ * 1e-3});
       steep.push_back(glm::dot(d, at.n));
     }
-    compare_with_lines(away, lines, steep, f);
+    compare_with_lines(away, lines, starts, steep, f);
   }
 
-  // A ray that leaves the surface meets what the line through its start meets beyond it, and nothing else.
-  void compare_with_lines(const std::vector<Ray>& away, const std::vector<Ray>& lines, const std::vector<double>& steep, Found& f) const {
+  // Whether two hits of a line may be one, as it sees them.
+  bool one_place(const Ray& ray, const Hit& a, const Hit& b) const {
+    const SurfacePoint at = tracer_.surface_point(a), other = tracer_.surface_point(b);
+    const Vec2 apart = b.uv - a.uv;
+    if (a.face == b.face && seen_near(ray, apart.x * at.Su + apart.y * at.Sv)) return true;
+    return is_on_border(ray, a.uv, at) && is_on_border(ray, b.uv, other);
+  }
+
+  // A ray that leaves the surface meets what the line through its start meets beyond it, and nothing else. Where sheets lie so close that
+  // the lengths do not tell them from the start, the line must meet the ray's hit, too, and at another place than the start.
+  void compare_with_lines(const std::vector<Ray>& away, const std::vector<Ray>& lines, const std::vector<Hit>& starts,
+                          const std::vector<double>& steep, Found& f) const {
     std::vector<Hit> next(away.size()), all;
     std::vector<std::size_t> offsets;
     tracer_.nearest(away, next, Tracer::Order::scattered, f.stats);
@@ -262,7 +329,12 @@ class Subject {
       for (std::size_t k = offsets[i]; k < offsets[i + 1]; ++k)
         if (all[k].t > start + near) beyond = std::min(beyond, all[k].t - start);
       const double met = next[i] ? next[i].t : kInf;
-      const bool lost = met > beyond + near, again = met < beyond - near, out = ball_ && steep[i] < 0 && !next[i];
+      const bool close = met < near && std::any_of(all.begin() + static_cast<std::ptrdiff_t>(offsets[i]),
+                                                   all.begin() + static_cast<std::ptrdiff_t>(offsets[i + 1]), [&](const Hit& hit) {
+                                                     return hit.face == next[i].face && one_place(lines[i], hit, next[i]) &&
+                                                            !one_place(lines[i], starts[i], next[i]);
+                                                   });
+      const bool lost = met > beyond + near, again = !close && met < beyond - near, out = ball_ && steep[i] < 0 && !next[i];
       f.leaked += lost || out;
       f.at_start += again;
       if (lost || again || out)
@@ -274,11 +346,12 @@ class Subject {
 
   void tell(const Found& f, std::uint64_t chunks) const {
     fmt::print(
-        "[ measured ] {}: {} charts; {} lines, {} meet it, {} hits; {} doubles, {} odd; {} touch, {} at folded corners; unbalanced {}, not "
+        "[ measured ] {}: {} charts; {} lines, {} meet it, {} hits; {} doubles, {} odd; {} touch, {} meet a vertex where patches fold; "
+        "unbalanced {}, not "
         "in turn {}; {} aimed, "
         "missed {}, in a window {}; {} leave, {} inward, {} flatter than {:.2g}: got out {}, met their start {}; {} fallbacks, {} "
         "touching, {} out of budget\n",
-        name_, faces().size(), f.lines, f.met, f.hits, f.doubles, f.odd, f.touching, f.folded, f.unbalanced, f.not_in_turn, f.aimed,
+        name_, faces().size(), f.lines, f.met, f.hits, f.doubles, f.odd, f.touching, f.at_folds, f.unbalanced, f.not_in_turn, f.aimed,
         f.missed, f.missed_window, f.leaving, f.inward, f.flat, flat_, f.leaked, f.at_start, f.stats.fallbacks, f.stats.tangent,
         f.stats.fallback_out_of_budget);
     f.residuals.finish(name_);
@@ -289,10 +362,12 @@ class Subject {
     EXPECT_LE(f.flat, f.leaving / 30) << name_;
     EXPECT_EQ(f.without_normal, 0u) << name_;
     EXPECT_EQ(f.unbalanced, 0u) << name_;
+    EXPECT_EQ(f.astray, 0u) << name_;
     if (ball_) {
       EXPECT_LE(f.not_in_turn, f.touching) << name_;
+      EXPECT_EQ(f.at_folds, 0u) << name_;
     }
-    EXPECT_LE(f.touching, f.lines / 500) << name_;
+    EXPECT_LE(f.touching, f.lines / 5000) << name_;
     EXPECT_EQ(f.missed, 0u) << name_;
     EXPECT_EQ(f.missed_window, 0u) << name_;
     EXPECT_EQ(f.leaked, 0u) << name_;
@@ -331,13 +406,28 @@ TEST(ClosedPatches, NothingGetsThroughSquaresHexagonsAndOctagons) {
 }
 TEST(ClosedPatches, NothingGetsThroughTheControlMeshOfACow) { examine_file(kMeshes[1], MeshKind::gregory, 50000); }
 
+// Where patches fold beside a border, the chart and its spline turn their back at different places. In order: two crossings of one chart
+// and one of its neighbour, nearer to each other than they were told apart by; a border that the spline leaves and the chart enters; a
+// crossing 3e-4 of the chart beside a border where the spline has but one root for it and for the border; two roots of the spline beside
+// which the line misses the chart.
+TEST(ClosedPatches, LinesThroughFoldsBesideBordersEnterAsOftenAsTheyLeave) {
+  Subject("lines through folds", read_polygons(data("meshes/spot-control-mesh.obj")), MeshKind::gregory, false)
+      .examine_lines({{{-5.6857662973226519, 0.38875103515421777, -1.4423925334751577},
+                       {0.97370707896264419, 0.075299947637250175, 0.21499870293530265}},
+                      {{0.65216963721871957, -4.6502118455808867, -2.0177396841200936},
+                       {-0.14296792663393834, 0.94729211929987645, 0.28670160911013626}},
+                      {{-0.4822572802352369, 6.2534231680729864, 1.5864761175732098},
+                       {0.099641362974127776, -0.94495760174074195, -0.31165161590635709}},
+                      {{5.0013131125623014, 0.11626864148265026, -2.5879816039901771},
+                       {-0.90642939818008805, 0.11165175209498604, 0.40733233651283213}}});
+}
+
 class ClosedPatchesSlow : public testing::TestWithParam<int> {};
 TEST_P(ClosedPatchesSlow, NoneOfManyRaysGetsThrough) {
   examine_file(kMeshes[GetParam()], MeshKind::gregory, wanted("ISOPHOTE_RAYS", 200000));
 }
 const auto kNames = [](const testing::TestParamInfo<int>& info) { return std::string(kMeshes[info.param].name); };
-// Without the cow: its patches fold at some corners, where about 3 of 100 000 lines are counted once too few or too often.
-INSTANTIATE_TEST_SUITE_P(All, ClosedPatchesSlow, testing::Values(0, 2), kNames);
+INSTANTIATE_TEST_SUITE_P(All, ClosedPatchesSlow, testing::Values(0, 1, 2), kNames);
 
 }  // namespace
 }  // namespace iso::test
