@@ -9,6 +9,8 @@
 namespace iso {
 namespace {
 
+// Cosine: a corner that is seen less from the front is not seen, but for rounding.
+constexpr double kFromTheSide = 1e-6;
 constexpr double kNoArea = 1e-12;  // of a polygon, as a share of its diagonal squared: rounding decides what is less
 
 Vec3 unit_or_zero(const Vec3& v) {
@@ -59,12 +61,55 @@ double angle_at(const ControlMesh& mesh, const ControlPolygon& polygon, std::siz
 
 // ---- normals of vertices -------------------------------------------------------------------------------------------------
 
+// Twice the area of the triangle that a corner and its neighbours make, times its normal.
+Vec3 across_corner(const ControlMesh& mesh, const ControlPolygon& polygon, std::size_t i) {
+  const std::size_t n = polygon.corners.size();
+  const auto at = [&](std::size_t k) { return mesh.points[static_cast<std::size_t>(polygon.corners[k % n])]; };
+  return glm::cross(at(i + 1) - at(i), at(i + n - 1) - at(i));
+}
+
+double least_cosine(const Vec3& normal, const std::vector<Vec3>& directions) {
+  double least = 1;
+  for (const Vec3& d : directions) least = std::min(least, glm::dot(normal, d));
+  return least;
+}
+
+// The middle of the smallest cap of the unit sphere that holds all directions, if they have one of less than a half: it is held by two or
+// three of them, which are found as for the smallest circle about points of the plane [Welzl 1991].
+Vec3 middle_of_smallest_cap(const std::vector<Vec3>& directions) {
+  constexpr double kRounding = 1e-12;
+  struct Cap {
+    Vec3 middle{0.0};
+    double cosine = 1;
+    bool holds(const Vec3& d) const { return glm::dot(middle, d) >= cosine - kRounding; }
+  };
+  const auto cap_about = [](const Vec3& towards, const Vec3& on) {
+    const Vec3 middle = unit_or_zero(glm::dot(towards, on) < 0 ? -towards : towards);
+    return Cap{middle, glm::dot(middle, on)};
+  };
+  Cap cap = cap_about(directions[0], directions[0]);
+  for (std::size_t i = 1; i < directions.size(); ++i) {
+    const Vec3& a = directions[i];
+    if (cap.holds(a)) continue;
+    cap = cap_about(a, a);
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec3& b = directions[j];
+      if (cap.holds(b)) continue;
+      cap = cap_about(a + b, a);
+      for (std::size_t k = 0; k < j; ++k)
+        if (!cap.holds(directions[k])) cap = cap_about(glm::cross(b - a, directions[k] - a), a);
+    }
+  }
+  return cap.middle;
+}
+
 // What the polygons around a vertex say.
 struct VertexNormal {
   Vec3 stated{0.0}, sum{0.0}, first{0.0};
+  std::vector<Vec3> corners;  // unit normals of the polygons' corners there
   bool used = false, agreed = true;
 
-  void include(const Vec3& stated_here, const Vec3& own, double angle) {
+  void include(const Vec3& stated_here, const Vec3& own, double angle, const Vec3& corner) {
     if (!used) {
       stated = stated_here;
       first = own;
@@ -72,9 +117,16 @@ struct VertexNormal {
     used = true;
     agreed = agreed && stated_here != Vec3(0.0) && glm::length(stated_here - stated) <= kSameNormal;
     sum += angle * own;
+    if (corner != Vec3(0.0)) corners.push_back(corner);
   }
   bool vanishes() const { return glm::length(sum) <= 1e-6; }  // a share of an angle: what so nearly cancels is rounding
-  Vec3 normal() const { return agreed ? stated : vanishes() ? first : unit_or_zero(sum); }
+  Vec3 mean() const { return vanishes() ? first : unit_or_zero(sum); }
+  // That sees all corners best, if the mean sees one from behind and this does not; else zero.
+  Vec3 best() const {
+    if (corners.empty() || least_cosine(mean(), corners) > 0) return Vec3(0.0);
+    const Vec3 middle = middle_of_smallest_cap(corners);
+    return least_cosine(middle, corners) > kFromTheSide ? middle : Vec3(0.0);
+  }
 };
 
 // One unit normal a vertex; of those that no polygon uses: zero.
@@ -84,12 +136,15 @@ std::vector<Vec3> normals_of(const ControlMesh& mesh, const std::vector<const Co
     const Vec3 own = unit_or_zero(newell(mesh, *polygon));
     for (std::size_t i = 0; i < polygon->corners.size(); ++i)
       found[static_cast<std::size_t>(polygon->corners[i])].include(polygon->normals.empty() ? Vec3(0.0) : unit_or_zero(polygon->normals[i]),
-                                                                   own, angle_at(mesh, *polygon, i));
+                                                                   own, angle_at(mesh, *polygon, i),
+                                                                   unit_or_zero(across_corner(mesh, *polygon, i)));
   }
   std::vector<Vec3> normals;
-  int differing = 0, vanishing = 0;
+  int differing = 0, vanishing = 0, sharp = 0;
   for (const VertexNormal& v : found) {
-    normals.push_back(v.used ? v.normal() : Vec3(0.0));
+    const Vec3 best = v.used && !v.agreed ? v.best() : Vec3(0.0);
+    sharp += best != Vec3(0.0);
+    normals.push_back(!v.used ? Vec3(0.0) : v.agreed ? v.stated : best != Vec3(0.0) ? best : v.mean());
     differing += v.used && !v.agreed && v.stated != Vec3(0.0);
     vanishing += v.used && !v.agreed && v.vanishes();
   }
@@ -98,6 +153,10 @@ std::vector<Vec3> normals_of(const ControlMesh& mesh, const std::vector<const Co
         {Problem::Kind::note, "vertices", "polygons state different normals: the mean of the polygons' own normals is taken", differing});
   if (vanishing > 0)
     problems.push_back({Problem::Kind::note, "vertices", "the polygons' normals cancel: that of the first polygon is taken", vanishing});
+  if (sharp > 0)
+    problems.push_back({Problem::Kind::note, "vertices",
+                        "the mean of the polygons' normals sees a corner from behind: the normal that sees all corners best is taken",
+                        sharp});
   return normals;
 }
 

@@ -5,6 +5,11 @@
 // [Thuermer, Wuethrich 1998]. Where that vanishes, the normal of the first polygon there. So patches on both sides of an edge are made from
 // the same points and normals, and meet in one curve (patches/surface/patch_construct.h).
 //
+// At a sharp vertex the mean may see a corner of a polygon from behind: there the patch would leave the vertex turned over, and the surface
+// fold. Then the normal that sees all corners best is taken, which has the smallest largest angle to theirs [Aubry, Loehner 2008]; it is
+// told. If even that sees one from behind, the mean stays: patches with one tangent plane at the vertex, whose sides leave it over the
+// edges, fold there whatever the plane.
+//
 // Left out and reported: polygons of fewer than 3 or more than kMostSides sides, with a vertex twice, a side of no length, or no area.
 // Edges of one polygon only stay free, edges of more than two are one edge with as many uses.
 #pragma once

@@ -435,7 +435,7 @@ class FaceMesher {
       const double sliver = sliver_of(t), bound = verdict_of(i, policy_.distance - sliver).bound + sliver;
       mesh_.bound = std::max(mesh_.bound, bound);
       mesh_.unresolved += bound > policy_.distance;
-      mesh_.folded += is_folded(t);
+      if (is_folded(t)) count_folded(t);
       Triangle corners{node_of_[t.v[0]], node_of_[t.v[1]], node_of_[t.v[2]]};
       if (shape_.face().reversed) std::swap(corners[1], corners[2]);
       mesh_.triangles.push_back(corners);
@@ -457,6 +457,33 @@ class FaceMesher {
     Vec3 n = glm::cross(placed(t.v[1]) - placed(t.v[0]), placed(t.v[2]) - placed(t.v[0]));
     if (shape_.face().reversed) n = -n;
     return !(glm::dot(n, node(t.v[0]).normal + node(t.v[1]).normal + node(t.v[2]).normal) > 0);
+  }
+
+  void count_folded(const Corners& t) {
+    ++mesh_.folded;
+    const std::optional<UV> fold = fold_beside(t);
+    if (!fold) return;
+    if (mesh_.at_folds++ == 0) mesh_.fold = shape_.place(*fold).S;
+  }
+
+  // Where the surface's normal turns by more than a right angle within next to nothing, along a side of the triangle: at a fold, or a
+  // crease. Halved again and again, a side over which it turns that far has halves over which it turns less, if it turns at all evenly.
+  std::optional<UV> fold_beside(const Corners& t) const {
+    constexpr int kHalvings = 40;
+    for (std::size_t k = 0; k < 3; ++k) {
+      UV a = node(t.v[k]).uv, b = node(t.v[(k + 1) % 3]).uv;
+      Vec3 at_a = node(t.v[k]).normal, at_b = node(t.v[(k + 1) % 3]).normal;
+      int halvings = 0;
+      for (; halvings < kHalvings && glm::dot(at_a, at_b) < 0; ++halvings) {
+        const UV middle = 0.5 * (a + b);
+        const Vec3 normal = shape_.place(middle).normal;
+        const bool before = glm::dot(at_a, normal) < glm::dot(normal, at_b);
+        (before ? b : a) = middle;
+        (before ? at_b : at_a) = normal;
+      }
+      if (halvings == kHalvings && glm::dot(at_a, at_b) < 0) return a;
+    }
+    return {};
   }
 
   const FaceShape& shape_;

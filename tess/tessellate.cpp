@@ -223,6 +223,8 @@ class PartMesher {
     report.unresolved = face.unresolved;
     report.collapsed = face.collapsed;
     report.folded = face.folded;
+    report.at_folds = face.at_folds;
+    report.fold = face.fold;
     report.crossings = face.crossings;
     if (face.triangles.empty())
       report.failure = face.nodes.size() < 3 ? "its loops have less than three points" : "its loops enclose nothing";

@@ -69,6 +69,8 @@ void add_figures(Json& json, const FaceFigures& f) {
   json["unresolved"] = f.report.unresolved;
   json["collapsed"] = f.report.collapsed;
   json["folded"] = f.report.folded;
+  json["at_folds"] = f.report.at_folds;
+  if (f.report.at_folds > 0) json["fold"] = json_of(f.report.fold);
   json["crossings"] = f.report.crossings;
 }
 

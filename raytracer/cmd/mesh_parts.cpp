@@ -31,6 +31,7 @@ FaceFigures figures_of(const FaceReport& report, const FaceDeviation& deviation,
   face.report = report;
   face.report.bound *= stretch;
   face.report.offset *= stretch;
+  face.report.fold = place.point(report.fold);
   face.to_surface = figures_of(deviation.to_surface, stretch);
   face.to_mesh = figures_of(deviation.to_mesh, stretch);
   face.measured = stretch * deviation.worst;
@@ -47,7 +48,9 @@ void add_to(FaceReport& all, const FaceReport& face) {
   all.triangles += face.triangles;
   all.unresolved += face.unresolved;
   all.collapsed += face.collapsed;
+  if (all.at_folds == 0) all.fold = face.fold;
   all.folded += face.folded;
+  all.at_folds += face.at_folds;
   all.crossings += face.crossings;
 }
 

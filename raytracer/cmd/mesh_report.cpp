@@ -48,7 +48,11 @@ class Broken {
                       length(figures_.settings.distance), counted(static_cast<std::uint64_t>(r.unresolved), "triangle", "triangles")));
     if (face.within && !std::isfinite(r.bound)) say("distance bound unknown");
     if (r.crossings > 0) say(counted(static_cast<std::uint64_t>(r.crossings), "side", "sides") + " of its border cross others");
-    if (r.folded > 0) say(counted(static_cast<std::uint64_t>(r.folded), "triangle", "triangles") + " turned against the surface");
+    if (r.at_folds > 0)
+      say(fmt::format("the surface itself folds at {:.6g} {:.6g} {:.6g}: {} against its normals there", r.fold.x, r.fold.y, r.fold.z,
+                      counted(static_cast<std::uint64_t>(r.at_folds), "triangle lies", "triangles lie")));
+    if (r.folded > r.at_folds)
+      say(counted(static_cast<std::uint64_t>(r.folded - r.at_folds), "triangle", "triangles") + " turned against the surface");
     if (face.contradicts)
       say(fmt::format("measured {}, more than the proven {}: a defect of isophote", length(face.measured), length(r.bound)));
   }
@@ -67,7 +71,11 @@ class Broken {
     add_finding(p, t.duplicates, "triangle twice", "triangles twice");
     add_finding(p, t.zero_area, "triangle without area", "triangles without area");
     add_finding(p, t.t_junctions, "end of an open edge inside another", "ends of open edges inside others");
-    add_finding(p, c.folded, "triangle folded against its normals", "triangles folded against their normals");
+    // Those where the surface folds are told with their faces.
+    std::uint64_t at_folds = 0;
+    for (const FaceFigures& face : part.faces) at_folds += static_cast<std::uint64_t>(face.report.at_folds);
+    if (c.folded.count > at_folds)
+      add_finding(p, c.folded, "triangle folded against its normals", "triangles folded against their normals");
     add_finding(p, c.turned, "triangle turned or without area in (u, v)", "triangles turned or without area in (u, v)");
     add_finding(p, c.overlapping, "triangle that overlaps another in (u, v)", "triangles that overlap others in (u, v)");
   }

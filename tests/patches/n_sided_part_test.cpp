@@ -178,6 +178,41 @@ TEST(ControlMesh, WhatCannotBeAPatchIsLeftOutAndReported) {
                                                                       {"polygons without area", {"line 32", 1}}}));
 }
 
+// Two triangles that share an edge from the origin along y and are bent there by `bend`; their corners at the origin take up 150 and 30
+// degrees, so that the mean of their normals all but follows the first.
+ControlMesh sharp_hinge(double bend) {
+  const Vec3 up{std::sin(bend), 0, std::cos(bend)}, along = glm::cross(up, Vec3(0, 1, 0));  // of the second
+  ControlMesh mesh;
+  mesh.points = {{0, 0, 0}, {0.5, -std::sqrt(0.75), 0}, {0, 1, 0}, std::sqrt(0.75) * Vec3(0, 1, 0) + 0.5 * along};
+  mesh.polygons = {{{0, 1, 2}, {}, "line 1", {}}, {{0, 2, 3}, {}, "line 2", {}}};
+  return mesh;
+}
+
+// Of a patch at its first corner, where the boundary curves leave it.
+Vec3 normal_at_start(const PatchEntry& entry) {
+  const std::vector<Vec3>& p = entry.patch.points;
+  return glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+}
+
+TEST(ControlMesh, ASharpVertexTakesTheNormalThatSeesAllCorners) {
+  for (const double degrees : {20.0, 130.0}) {
+    const double bend = degrees * kTwoPi / 360;
+    const MeshOfPatches made = patches_of_mesh(sharp_hinge(bend), MeshPatches::gregory);
+    ASSERT_EQ(made.patches.size(), 2u);
+    const Vec3 a = normal_at_start(made.patches[0]), b = normal_at_start(made.patches[1]);
+    EXPECT_LT(glm::length(a - b), 1e-12) << degrees << " degrees: one patch leaves the vertex turned over";
+    const bool sharp = degrees > 90;
+    EXPECT_EQ(made.problems.size(), sharp ? 1u : 0u) << degrees;
+    // The middle of both normals, else nearer to the first.
+    if (sharp) {
+      EXPECT_LT(glm::length(a - Vec3(std::sin(bend / 2), 0, std::cos(bend / 2))), 1e-9);
+      EXPECT_NE(made.problems.at(0).what.find("sees all corners"), std::string::npos);
+    } else {
+      EXPECT_GT(a.z, std::cos(bend / 4));
+    }
+  }
+}
+
 TEST(ControlMesh, NormalsOfTheFileCountWhereAllPolygonsAgree) {
   ControlMesh mesh = prism(6);
   const Vec3 given = glm::normalize(Vec3(1, 2, 3));

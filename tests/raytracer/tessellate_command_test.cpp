@@ -255,11 +255,45 @@ TEST(MeshReportLines, EachBrokenPromiseIsALineAndNumbersThatAreNotFiniteAreNull)
   ASSERT_EQ(lines.size(), 5u);
   EXPECT_EQ(lines[0], "face 0: distance bound unknown, beyond the tolerance 0.1 mm: 2 triangles could not be divided");
   EXPECT_EQ(lines[1], "face 1: no triangles: its loops enclose nothing");
+  EXPECT_EQ(lines[3], "face 2: 3 triangles turned against the surface");
   EXPECT_EQ(lines[4], "1 open edge where the model is closed at 1 2 3, face 2");
   const json report = json::parse(report_json(figures, lines, {}));
   EXPECT_TRUE(report["parts"][0]["faces"][0]["bound"].is_null());
   EXPECT_EQ(report["broken"].size(), 5u);
   EXPECT_FALSE(report["kept"]);
+}
+
+TEST(MeshReport, AFoldOfTheSurfaceIsToldAsTheSurfacesOwn) {
+  Part part;
+  part.faces.resize(1);
+  MeshFigures figures;
+  PartFigures made;
+  made.part = &part;
+  made.faces.resize(1);
+  made.faces[0].report.folded = made.faces[0].report.at_folds = 3;
+  made.faces[0].report.fold = {1, 2, 3};
+  for (std::uint32_t t = 0; t < 3; ++t) made.check.folded.add({Point3(0.0), t, 0});
+  figures.parts.push_back(made);
+  EXPECT_EQ(broken_promises(figures),
+            (std::vector<std::string>{"face 0: the surface itself folds at 1 2 3: 3 triangles lie against its normals there"}));
+  // One more that no fold explains.
+  figures.parts[0].faces[0].report.folded = 4;
+  figures.parts[0].check.folded.add({Point3(4, 5, 6), 3, 0});
+  const std::vector<std::string> lines = broken_promises(figures);
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[1], "face 0: 1 triangle turned against the surface");
+  EXPECT_NE(lines[2].find("4 triangles folded against their normals"), std::string::npos);
+}
+
+// Eight corners of the cow's polygons are seen from behind by every normal that sees the others.
+TEST_F(TessellateCommand, SaysThatTheSurfaceFoldsWherePatchesDo) {
+  const ChildResult result = run(data("meshes/spot-control-mesh.obj"), {"--patches", "gregory", "-o", path("cow.stl"), "-q"});
+  EXPECT_EQ(result.code, 1) << result.summary();
+  EXPECT_NE(result.err.find("the surface itself folds at"), std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("turned against the surface"), std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("folded against their normals"), std::string::npos) << result.err;
+  EXPECT_TRUE(fs::exists(path("cow.stl")));
+  EXPECT_EQ(run(data("meshes/truncated-cuboctahedron.obj"), {"--patches", "gregory", "-q"}).code, 0);
 }
 
 TEST(Stretch, IsTheLargestFactorByWhichAMapLengthens) {
