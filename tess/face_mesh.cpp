@@ -461,28 +461,23 @@ class FaceMesher {
 
   void count_folded(const Corners& t) {
     ++mesh_.folded;
-    const std::optional<UV> fold = fold_beside(t);
+    const std::optional<Point3> fold = fold_within(t);
     if (!fold) return;
-    if (mesh_.at_folds++ == 0) mesh_.fold = shape_.place(*fold).S;
+    if (mesh_.at_folds++ == 0) mesh_.fold = *fold;
   }
 
-  // Where the surface's normal turns by more than a right angle within next to nothing, along a side of the triangle: at a fold, or a
-  // crease. Halved again and again, a side over which it turns that far has halves over which it turns less, if it turns at all evenly.
-  std::optional<UV> fold_beside(const Corners& t) const {
-    constexpr int kHalvings = 40;
-    for (std::size_t k = 0; k < 3; ++k) {
-      UV a = node(t.v[k]).uv, b = node(t.v[(k + 1) % 3]).uv;
-      Vec3 at_a = node(t.v[k]).normal, at_b = node(t.v[(k + 1) % 3]).normal;
-      int halvings = 0;
-      for (; halvings < kHalvings && glm::dot(at_a, at_b) < 0; ++halvings) {
-        const UV middle = 0.5 * (a + b);
-        const Vec3 normal = shape_.place(middle).normal;
-        const bool before = glm::dot(at_a, normal) < glm::dot(normal, at_b);
-        (before ? b : a) = middle;
-        (before ? at_b : at_a) = normal;
+  // Where the surface's own normal turns by more than a right angle within the triangle, which nothing divides further.
+  std::optional<Point3> fold_within(const Corners& t) const {
+    constexpr int kSteps = 8;
+    const UV a = node(t.v[0]).uv, ab = node(t.v[1]).uv - a, ac = node(t.v[2]).uv - a;
+    std::vector<Vec3> normals;
+    for (int i = 0; i <= kSteps; ++i)
+      for (int j = 0; i + j <= kSteps; ++j) {
+        const FaceShape::Placed at = shape_.place(a + ab * (double(i) / kSteps) + ac * (double(j) / kSteps));
+        for (const Vec3& n : normals)
+          if (glm::dot(n, at.normal) < 0) return at.S;
+        normals.push_back(at.normal);
       }
-      if (halvings == kHalvings && glm::dot(at_a, at_b) < 0) return a;
-    }
     return {};
   }
 

@@ -32,7 +32,7 @@ struct FaceMesh {
   int unresolved = 0;                 // triangles whose bound is above the tolerance though nothing can be divided further
   int collapsed = 0;                  // triangles left out because two of their corners are one point in space (poles)
   int folded = 0;                     // triangles turned against the surface
-  int at_folds = 0;                   // of those: where the surface itself turns its back, at once
+  int at_folds = 0;                   // of those: where the surface itself turns by more than a right angle within the triangle
   Point3 fold{0.0};                   // the first place where it does
   int crossings = 0;                  // segments that could not become sides of triangles: loops that cross
   std::vector<EdgeSegment> to_split;  // what must be sampled more finely before this face can be meshed; then nothing else is valid

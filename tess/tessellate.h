@@ -33,7 +33,7 @@ struct FaceReport {
   int unresolved = 0;   // triangles beyond the tolerance that could not be divided
   int collapsed = 0;    // triangles left out at poles
   int folded = 0;       // triangles turned against the surface
-  int at_folds = 0;     // of those: where the surface itself turns its back at once, so that no triangles could follow it
+  int at_folds = 0;     // of those: where the surface itself turns by more than a right angle within the triangle
   Point3 fold{0.0};     // the first place where it does
   bool turned = false;  // looked to the other side than its neighbours: its triangles and normals do not, see orient.h
   int crossings = 0;    // border segments that cross others and are no sides of triangles

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -11,6 +12,7 @@
 #include "raytracer/image_io.h"
 #include "tests/support/child.h"
 #include "tests/support/mesh_files.h"
+#include "tests/support/patch_meshes.h"
 #include "tests/support/paths.h"
 
 namespace iso::test {
@@ -285,15 +287,26 @@ TEST(MeshReport, AFoldOfTheSurfaceIsToldAsTheSurfacesOwn) {
   EXPECT_NE(lines[2].find("4 triangles folded against their normals"), std::string::npos);
 }
 
-// Eight corners of the cow's polygons are seen from behind by every normal that sees the others.
+// With the mean of its polygons' normals, each as large as its area, stated in the file, patches of the cow fold at sharp vertices; with
+// our own they do not.
 TEST_F(TessellateCommand, SaysThatTheSurfaceFoldsWherePatchesDo) {
-  const ChildResult result = run(data("meshes/spot-control-mesh.obj"), {"--patches", "gregory", "-o", path("cow.stl"), "-q"});
+  const PolygonMesh cow = read_polygons(data("meshes/spot-control-mesh.obj"));
+  std::string text;
+  for (const Vec3& p : cow.points) text += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
+  for (const Vec3& n : vertex_normals(cow)) text += fmt::format("vn {} {} {}\n", n.x, n.y, n.z);
+  for (const std::vector<int>& polygon : cow.polygons) {
+    text += "f";
+    for (const int v : polygon) text += fmt::format(" {0}//{0}", v + 1);
+    text += "\n";
+  }
+  std::ofstream(path("cow.obj")) << text;
+  const ChildResult result = run(path("cow.obj"), {"--patches", "gregory", "-o", path("cow.stl"), "-q"});
   EXPECT_EQ(result.code, 1) << result.summary();
   EXPECT_NE(result.err.find("the surface itself folds at"), std::string::npos) << result.err;
   EXPECT_EQ(result.err.find("turned against the surface"), std::string::npos) << result.err;
   EXPECT_EQ(result.err.find("folded against their normals"), std::string::npos) << result.err;
   EXPECT_TRUE(fs::exists(path("cow.stl")));
-  EXPECT_EQ(run(data("meshes/truncated-cuboctahedron.obj"), {"--patches", "gregory", "-q"}).code, 0);
+  EXPECT_EQ(run(data("meshes/spot-control-mesh.obj"), {"--patches", "gregory", "-q"}).code, 0);
 }
 
 TEST(Stretch, IsTheLargestFactorByWhichAMapLengthens) {
