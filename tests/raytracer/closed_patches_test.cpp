@@ -427,6 +427,8 @@ TEST_P(ClosedPatchesSlow, NoneOfManyRaysGetsThrough) {
   examine_file(kMeshes[GetParam()], MeshKind::gregory, wanted("ISOPHOTE_RAYS", 200000));
 }
 const auto kNames = [](const testing::TestParamInfo<int>& info) { return std::string(kMeshes[info.param].name); };
+// Not yet clean with $ISOPHOTE_RAYS = 1e7 is the cow, at its folds: 35 of 5.0e6 lines unbalanced, 31 of 3.3e6 targets with nothing at their
+// place, 9 without a hit up to it, and 7 of 3.2e6 rays that leave meet their start.
 INSTANTIATE_TEST_SUITE_P(All, ClosedPatchesSlow, testing::Values(0, 1, 2), kNames);
 
 }  // namespace
