@@ -99,7 +99,7 @@ EdgeNet::OnUse EdgeNet::on_use(int use, double own) const {
   const UV uv = on.uv = curves_[static_cast<std::size_t>(use)].at(parameter_at(u, own));
   // What is meant to be on a crease is on it.
   for (int axis = 0; axis < 2; ++axis)
-    for (const double crease : axis == 0 ? shape.bend().creases_u() : shape.bend().creases_v())
+    for (const double crease : shape.creases(axis))
       if (std::abs(uv[axis] - crease) <= kOnCrease * shape.face().domain.size()[axis]) on.uv[axis] = crease;
   on.moved = glm::abs(on.uv - uv);
   const TangentJet at = shape.eval().at(on.uv);
@@ -150,10 +150,10 @@ std::vector<double> EdgeNet::preferred_splits(int e) {
         if (const double s = (t - a) / (b - a); s > kLeastShare && s < 1 - kLeastShare) shares.push_back(shared(s));
     }
     // Crossings of the surface's creases.
-    const BendTree& bend = (*shapes_)[static_cast<std::size_t>(u.face)].bend();
+    const FaceShape& shape = (*shapes_)[static_cast<std::size_t>(u.face)];
     constexpr int kScan = 64;
     for (int axis = 0; axis < 2; ++axis)
-      for (double crease : axis == 0 ? bend.creases_u() : bend.creases_v())
+      for (const double crease : shape.creases(axis))
         for (int i = 0; i < kScan; ++i) {
           double lo = static_cast<double>(i) / kScan, hi = static_cast<double>(i + 1) / kScan;
           const double at_lo = uv_at(u, lo)[axis] - crease, at_hi = uv_at(u, hi)[axis] - crease;

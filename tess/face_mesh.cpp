@@ -26,6 +26,13 @@ constexpr double kManyCells = 2.0;
 // Nearer than this share of the coordinates' size to a crease is on it.
 constexpr double kOnCrease = 1e-12;
 
+// Places within this share of their coordinates are one place of a line: what rounding makes of it, where a surface is evaluated.
+constexpr double kOnLine = 1e-12;
+
+// Triangles without area that are joined, for each node of the border at most; a line of n samples takes up to about 2 n for each, and one
+// of more samples than this serves stays as it is.
+constexpr std::size_t kMostJoins = 256;
+
 // Segments of the border that cross others are not split below this share of the tolerance.
 constexpr double kLeastSegment = 0.02;
 
@@ -179,12 +186,14 @@ class FaceMesher {
   std::uint32_t add_inner(const UV& uv, bool check_inside) {
     const Vec2 p = uv * scale_;
     if (check_inside && !inside_at(p)) return Triangulation::kNone;
+    const TangentJet jet = shape_.eval().at(uv);
+    if (!shape_.is_regular(jet)) return Triangulation::kNone;  // beside no area there is nothing to come nearer to
     const std::uint32_t vertex = triangulation_->insert(p, near_);
     near_ = vertex;
     if (vertex < node_of_.size() && node_of_[vertex] != Triangulation::kNone) return vertex;  // there was a node already
-    const FaceShape::Placed at = shape_.place(uv);
+    const FaceShape::Placed at = shape_.place(uv, jet);
     set_node(vertex, static_cast<std::uint32_t>(mesh_.nodes.size()));
-    mesh_.nodes.push_back({static_cast<std::uint32_t>(mesh_.inner.size()), uv, at.normal});
+    mesh_.nodes.push_back({FaceMesh::kInner + static_cast<std::uint32_t>(mesh_.inner.size()), uv, at.normal});
     mesh_.inner.push_back(at.S);
     surface_points_.push_back(at.S);
     return vertex;
@@ -243,7 +252,7 @@ class FaceMesher {
   // The surface has no second derivative across a crease: no triangle may lie on both its sides.
   void constrain_creases() {
     for (int axis = 0; axis < 2; ++axis)
-      for (const double crease : axis == 0 ? shape_.bend().creases_u() : shape_.bend().creases_v()) constrain_crease(axis, crease);
+      for (const double crease : shape_.creases(axis)) constrain_crease(axis, crease);
   }
 
   void constrain_crease(int axis, double crease) {
@@ -267,13 +276,10 @@ class FaceMesher {
   const MeshNode& node(std::uint32_t vertex) const { return mesh_.nodes[node_of_[vertex]]; }
   SurfaceCorner corner(std::uint32_t vertex) const { return {node(vertex).uv, surface_points_[node_of_[vertex]]}; }
   Point3 placed(std::uint32_t vertex) const {
-    const std::uint32_t n = node_of_[vertex];
-    return n < mesh_.border ? net_.points()[mesh_.nodes[n].point] : mesh_.inner[mesh_.nodes[n].point];
+    const std::uint32_t p = node(vertex).point;
+    return p < FaceMesh::kInner ? net_.points()[p] : mesh_.inner[p - FaceMesh::kInner];
   }
-  bool same_point(std::uint32_t a, std::uint32_t b) const {
-    const std::uint32_t na = node_of_[a], nb = node_of_[b];
-    return na < mesh_.border && nb < mesh_.border && mesh_.nodes[na].point == mesh_.nodes[nb].point;
-  }
+  bool same_point(std::uint32_t a, std::uint32_t b) const { return node(a).point == node(b).point; }
 
   // Whether the side opposite of corner k is a segment of the border; creases are constrained too, but may be divided.
   bool is_border(const Corners& t, int k) const {
@@ -334,13 +340,15 @@ class FaceMesher {
     std::vector<std::uint32_t> work;
     for (std::uint32_t i = 0; i < triangulation_->triangles().size(); ++i)
       if (triangulation_->triangles()[i].inside) work.push_back(i);
-    std::size_t inserted = 0;
+    std::size_t inserted = 0, joins = 0;
     std::vector<std::uint32_t> left;  // still beyond what is allowed, perhaps
     const std::size_t most = 1000000 + 100 * mesh_.nodes.size();
     for (std::size_t i = 0; i < work.size() && inserted < most; ++i) {
       const Corners t = triangulation_->triangles()[work[i]];
-      if (!t.inside || !exceeds(work[i])) continue;
-      if (!divide(t)) {
+      const bool joined = t.inside && joins < kMostJoins * mesh_.border && is_without_area(t) && join(t);
+      joins += joined;
+      if (!joined && (!t.inside || !exceeds(work[i]))) continue;
+      if (!joined && !divide(t)) {
         left.push_back(work[i]);
         continue;
       }
@@ -378,6 +386,58 @@ class FaceMesher {
       mesh_.to_split.push_back(
           border_.at(key_of(t.v[static_cast<std::size_t>((best + 1) % 3)], t.v[static_cast<std::size_t>((best + 2) % 3)])).at);
     }
+  }
+
+  // ---- parts without area ----
+
+  // Whether it is a line in space because the surface is one there: spans whose poles repeat, or lie on one line.
+  bool is_without_area(const Corners& t) const {
+    if (is_collapsed(t)) return false;
+    const Point3 a = placed(t.v[0]), b = placed(t.v[1]), c = placed(t.v[2]);
+    const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+    if (glm::length(glm::cross(b - a, c - a)) > kOnLine * (glm::length(a) + longest) * longest) return false;
+    return !shape_.is_regular(shape_.eval().at((node(t.v[0]).uv + node(t.v[1]).uv + node(t.v[2]).uv) / 3.0));
+  }
+
+  // The place between a and b where the surface, which runs along the line between them, comes through p.
+  UV place_between(const SurfaceCorner& a, const SurfaceCorner& b, const Point3& p) const {
+    constexpr int kHalvings = 52;
+    double lo = 0, hi = 1;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (lo + hi);
+      (glm::dot(shape_.eval().point(a.uv + middle * (b.uv - a.uv)) - p, b.S - a.S) < 0 ? lo : hi) = middle;
+    }
+    return a.uv + lo * (b.uv - a.uv);
+  }
+
+  // Such a triangle is a line. Its longest side takes the point of the corner between: what is beside that side then meets the two others,
+  // and the triangle falls into two that have this point twice, as at a pole. False where that side is on the border, or goes another way,
+  // or the surface over the triangle is not proven to keep to the line.
+  bool join(const Corners& t) {
+    int k = 0;
+    double longest = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double length =
+          glm::length(placed(t.v[static_cast<std::size_t>((i + 1) % 3)]) - placed(t.v[static_cast<std::size_t>((i + 2) % 3)]));
+      if (length > longest) longest = length, k = i;
+    }
+    if (is_border(t, k)) return false;
+    const std::uint32_t between = t.v[static_cast<std::size_t>(k)];
+    const SurfaceCorner a = corner(t.v[static_cast<std::size_t>((k + 1) % 3)]), b = corner(t.v[static_cast<std::size_t>((k + 2) % 3)]);
+    const double sliver = sliver_of(t);
+    const FaceShape::Verdict verdict = shape_.stays_near(a.S, b.S, {node(between).uv, a.uv, b.uv}, policy_.distance - sliver);
+    if (!verdict.within) return false;
+    const UV uv = place_between(a, b, corner(between).S);
+    const FaceShape::Placed at = shape_.place(uv);
+    if (glm::length(at.S - corner(between).S) > kOnLine * (glm::length(at.S) + longest)) return false;
+    near_ = t.v[0];
+    if (!inside_at(uv * scale_)) return false;  // at an end of the side, or on the border
+    near_ = triangulation_->insert(uv * scale_, near_);
+    set_node(near_, static_cast<std::uint32_t>(mesh_.nodes.size()));
+    mesh_.nodes.push_back({node(between).point, uv, at.normal});
+    surface_points_.push_back(at.S);
+    mesh_.bound = std::max(mesh_.bound, verdict.bound + sliver);
+    return true;
   }
 
   // Puts a point where the triangle is longest; false if it must stay as it is.

@@ -21,16 +21,19 @@ struct EdgeSegment {
 };
 
 struct FaceMesh {
-  // The first `border` nodes lie on edges, their points are those of the net; of the others `point` counts `inner`.
+  // `point` of a node is one of the net's; or, with kInner added, counts `inner`. The first `border` nodes are the samples of edges, in the
+  // order of the loops; where the surface has no area others may share their points.
+  static constexpr std::uint32_t kInner = 0x80000000u;
   std::vector<MeshNode> nodes;
   std::size_t border = 0;
   std::vector<Point3> inner;
+  bool on_edge(std::uint32_t node) const { return nodes[node].point < kInner; }
   std::vector<Triangle> triangles;
 
   double bound = 0;                   // proven distance between surface and mesh, without `offset`
   double offset = 0;                  // largest distance of a border node from this face's surface: the model's own gap
   int unresolved = 0;                 // triangles whose bound is above the tolerance though nothing can be divided further
-  int collapsed = 0;                  // triangles left out because two of their corners are one point in space (poles)
+  int collapsed = 0;                  // triangles left out because two of their corners are one point in space (poles, parts without area)
   int folded = 0;                     // triangles turned against the surface
   int at_folds = 0;                   // of those: where the surface itself turns by more than a right angle within the triangle
   Point3 fold{0.0};                   // the first place where it does

@@ -1,5 +1,7 @@
 #include "tess/face_shape.h"
 
+#include "patches/base/bspline_basis.h"
+#include "patches/surface/bezier_patch.h"
 #include "tess/triangle_division.h"
 
 namespace iso {
@@ -58,7 +60,34 @@ double sphere_bound(const Sphere& sphere, const std::array<Point3, 3>& S) {
 
 }  // namespace
 
-FaceShape::FaceShape(const Face& face, double tolerance) : face_(&face), eval_(face.surface), bend_(face.surface, face.domain, tolerance) {}
+FaceShape::FaceShape(const Face& face, double tolerance)
+    : face_(&face), eval_(face.surface), bend_(face.surface, face.domain, tolerance), creases_{bend_.creases_u(), bend_.creases_v()} {
+  if (const auto* s = std::get_if<NurbsSurface>(&face.surface)) add_ends_of_area(*s);
+}
+
+// The knots beside spans without area, all along them.
+void FaceShape::add_ends_of_area(const NurbsSurface& s) {
+  const std::array<std::vector<double>, 2> breaks{breakpoints(s.knots_u, s.degree_u), breakpoints(s.knots_v, s.degree_v)};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const std::vector<double>&along = breaks[axis], &across = breaks[1 - axis];
+    const auto has_area = [&](std::size_t i) {
+      for (std::size_t j = 0; j + 1 < across.size(); ++j) {
+        const double at = 0.5 * (along[i] + along[i + 1]), other = 0.5 * (across[j] + across[j + 1]);
+        if (is_regular(eval_.at(axis == 0 ? UV(at, other) : UV(other, at)))) return true;
+      }
+      return false;
+    };
+    bool before = along.size() > 2 && has_area(0);
+    for (std::size_t i = 1; i + 1 < along.size(); ++i) {
+      const bool here = has_area(i);
+      if (here != before && along[i] > face_->domain.lo[static_cast<int>(axis)] && along[i] < face_->domain.hi[static_cast<int>(axis)])
+        creases_[axis].push_back(along[i]);
+      before = here;
+    }
+    std::sort(creases_[axis].begin(), creases_[axis].end());
+    creases_[axis].erase(std::unique(creases_[axis].begin(), creases_[axis].end()), creases_[axis].end());
+  }
+}
 
 double bound_in(const BoxBend& bend, const std::array<UV, 3>& uv, double longest) {
   const Vec2 extent = glm::max(glm::max(uv[0], uv[1]), uv[2]) - glm::min(glm::min(uv[0], uv[1]), uv[2]);
@@ -144,6 +173,55 @@ FaceShape::Verdict FaceShape::within_box(const std::array<SurfaceCorner, 3>& cor
   return box.diagonal() <= most ? Verdict{true, box.diagonal()} : otherwise;
 }
 
+namespace {
+
+// Triangles are divided this often, until what their boxes reach beyond the ends of the line is less than the tolerance.
+constexpr int kMostDivisions = 10;
+
+// What the making of control points may round, as a share of their size.
+constexpr double kPieceRounding = 1e-14;
+
+double distance_to_segment(const Point3& p, const Point3& a, const Point3& b) {
+  const Vec3 ab = b - a, ap = p - a;
+  const double length2 = glm::dot(ab, ab);
+  return glm::length(ap - (length2 > 0 ? std::clamp(glm::dot(ap, ab) / length2, 0.0, 1.0) : 0.0) * ab);
+}
+
+// Of the surface over a box from a segment, at most: that of its control points, for no point of their hull is farther from a convex set.
+double distance_over(const AnySurface& surface, const Box2& uv, const Point3& a, const Point3& b) {
+  double most = 0, size = 0;
+  for (const BezierPiece& piece : bezier_pieces(surface, uv))
+    for (const Vec4& h : piece.patch.net) {
+      const Point3 p = project(h);
+      most = std::max(most, distance_to_segment(p, a, b));
+      size = std::max(size, glm::length(p));
+    }
+  return most + distance_of_pieces(surface) + kPieceRounding * size;
+}
+
+FaceShape::Verdict near_segment(const Face& face, const Point3& a, const Point3& b, const std::array<UV, 3>& uv, double most,
+                                int divisions) {
+  const Box2 box{glm::max(glm::min(glm::min(uv[0], uv[1]), uv[2]), face.domain.lo),
+                 glm::min(glm::max(glm::max(uv[0], uv[1]), uv[2]), face.domain.hi)};
+  const double distance = distance_over(face.surface, box, a, b);
+  if (distance <= most || divisions == 0) return {distance <= most, distance};
+  const std::array<UV, 3> middle{0.5 * (uv[1] + uv[2]), 0.5 * (uv[2] + uv[0]), 0.5 * (uv[0] + uv[1])};
+  FaceShape::Verdict all{true, 0};
+  for (const std::array<UV, 3>& part : {std::array{uv[0], middle[2], middle[1]}, std::array{middle[2], uv[1], middle[0]},
+                                        std::array{middle[1], middle[0], uv[2]}, middle}) {
+    const FaceShape::Verdict verdict = near_segment(face, a, b, part, most, divisions - 1);
+    all = {verdict.within, std::max(all.bound, verdict.bound)};
+    if (!all.within) break;
+  }
+  return all;
+}
+
+}  // namespace
+
+FaceShape::Verdict FaceShape::stays_near(const Point3& a, const Point3& b, const std::array<UV, 3>& uv, double most) const {
+  return near_segment(*face_, a, b, uv, most, kMostDivisions);
+}
+
 double FaceShape::segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const {
   if (std::holds_alternative<Sphere>(face_->surface)) {
     // A straight line in (u, v) is no great arc: the general bound.
@@ -152,15 +230,53 @@ double FaceShape::segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) 
   return triangle_bound(a, b, b);
 }
 
-FaceShape::Placed FaceShape::place(UV uv, const TangentJet& at) const {
-  const Vec3 cross = glm::cross(at.Su, at.Sv);
-  const double area = glm::length(cross);
-  // At a pole the limit from inside decides: there one derivative is nothing but rounding, of any sign.
+namespace {
+
+// The box of the domain whose polynomial gives the derivatives at uv: at a knot they are those of the span that follows it.
+Box2 span_around(const Face& face, const UV& uv) {
+  Box2 span = face.domain;
+  const auto narrow = [&](int axis, const std::vector<double>& knots, int degree) {
+    const auto i = static_cast<std::size_t>(knot_span(knots, degree, uv[axis]));
+    const double lo = std::max(span.lo[axis], knots[i]), hi = std::min(span.hi[axis], knots[i + 1]);
+    if (lo < hi) span.lo[axis] = lo, span.hi[axis] = hi;
+  };
+  const auto narrow_by_profile = [&](int axis, const Curve3& profile) {
+    if (const auto* c = std::get_if<NurbsCurve<Vec3>>(&profile)) narrow(axis, c->knots, c->degree);
+  };
+  if (const auto* s = std::get_if<NurbsSurface>(&face.surface)) {
+    narrow(0, s->knots_u, s->degree_u);
+    narrow(1, s->knots_v, s->degree_v);
+  }
+  if (const auto* s = std::get_if<Extrusion>(&face.surface)) narrow_by_profile(0, s->profile);
+  if (const auto* s = std::get_if<Revolution>(&face.surface)) narrow_by_profile(1, s->profile);
+  return span;
+}
+
+}  // namespace
+
+bool FaceShape::is_regular(const TangentJet& at) const {
   constexpr double kLeastSine = 1e-6, kLeastExtent = 1e-9;
-  const double su = glm::length(at.Su), sv = glm::length(at.Sv);
+  const double su = glm::length(at.Su), sv = glm::length(at.Sv), area = glm::length(glm::cross(at.Su, at.Sv));
   const Vec2 extent = Vec2(su, sv) * face_->domain.size();
-  const bool regular = area > kLeastSine * su * sv && std::min(extent.x, extent.y) > kLeastExtent * std::max(extent.x, extent.y);
-  const Vec3 n = regular ? cross / area : unit_normal(face_->surface, uv, face_->domain);
+  return area > kLeastSine * su * sv && std::min(extent.x, extent.y) > kLeastExtent * std::max(extent.x, extent.y);
+}
+
+// Where a span starts with poles that repeat, derivatives say where it goes, and not where the span before came from: the limit is the own
+// span's. A span without any area has none, and takes the normal of the nearest place that has one.
+Vec3 FaceShape::limit_normal(const UV& uv) const {
+  constexpr double kFirstStep = 1e-6, kLastStep = 0.5;  // of the domain
+  const Box2 span = span_around(*face_, uv), &domain = face_->domain;
+  if (is_regular(eval_.at(span.middle()))) return unit_normal(face_->surface, uv, span);
+  for (double step = kFirstStep; step <= kLastStep; step *= 2)
+    for (const Vec2& way : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1)})
+      if (const TangentJet at = eval_.at(glm::clamp(uv + step * way * domain.size(), domain.lo, domain.hi)); is_regular(at))
+        return glm::normalize(glm::cross(at.Su, at.Sv));
+  return unit_normal(face_->surface, uv, domain);
+}
+
+FaceShape::Placed FaceShape::place(UV uv, const TangentJet& at) const {
+  // At a pole the limit from inside decides: there one derivative is nothing but rounding, of any sign.
+  const Vec3 cross = glm::cross(at.Su, at.Sv), n = is_regular(at) ? cross / glm::length(cross) : limit_normal(uv);
   return {at.S, face_->reversed ? -n : n};
 }
 

@@ -30,6 +30,10 @@ class FaceShape {
   const BendTree& bend() const { return bend_; }
   const SurfaceEval& eval() const { return eval_; }
 
+  // Parameters per axis, rising, across which no triangle may lie: those of the bend tree, and the ends of spans in which the surface has
+  // no area, for beyond them it has no tangent plane.
+  const std::vector<double>& creases(int axis) const { return creases_[static_cast<std::size_t>(axis)]; }
+
   // World units: no point of the triangle is farther from the surface, and no point of the surface over a, b, c farther from the triangle
   // and its neighbours. Infinite where nothing is proven. Closed forms for planes, cylinders, cones and spheres.
   double triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c) const;
@@ -44,7 +48,10 @@ class FaceShape {
   };
   Verdict keeps(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c, double most) const;
 
-  // The same of the segment between two corners and the surface's curve over the straight line between them in (u, v).
+  // Where the surface has no area: whether over a triangle of the parameters it is no farther than `most` from the segment from a to b.
+  Verdict stays_near(const Point3& a, const Point3& b, const std::array<UV, 3>& uv, double most) const;
+
+  // As `triangle_bound`, of the segment between two corners and the surface's curve over the straight line between them in (u, v).
   double segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const;
 
   // The place and the unit outward normal at (u, v); `normal` is zero where there is none.
@@ -55,11 +62,17 @@ class FaceShape {
   Placed place(UV uv) const { return place(uv, eval_.at(uv)); }
   Placed place(UV uv, const TangentJet& at) const;
 
+  // Whether Su and Sv span a plane by more than rounding: not at poles, nor where the surface is only a line.
+  bool is_regular(const TangentJet& at) const;
+
  private:
+  void add_ends_of_area(const NurbsSurface& s);
+  Vec3 limit_normal(const UV& uv) const;
   Verdict within_box(const std::array<SurfaceCorner, 3>& corners, double most, const Verdict& otherwise) const;
   const Face* face_;
   SurfaceEval eval_;
   BendTree bend_;
+  std::array<std::vector<double>, 2> creases_;
 };
 
 // World units.

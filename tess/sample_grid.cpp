@@ -75,7 +75,7 @@ void limit_aspect(SampleGrid& grid, const FaceShape& shape) {
   const Jet2 at = jet2(shape.face().surface, grid.box.middle());
   const double width = glm::length(at.Su) * grid.box.size().x / grid.columns, height = glm::length(at.Sv) * grid.box.size().y / grid.rows;
   if (grid.columns == 1 && grid.rows == 1) return;
-  if (!(width > 0 && height > 0)) return;
+  if (!(width > 0 && height > 0) || !shape.is_regular({at.S, at.Su, at.Sv})) return;  // cells without area have no aspect
   if (width > kMostAspect * height)
     grid.columns = static_cast<int>(std::min(1e6, std::ceil(grid.columns * width / (kMostAspect * height))));
   if (height > kMostAspect * width) grid.rows = static_cast<int>(std::min(1e6, std::ceil(grid.rows * height / (kMostAspect * width))));
@@ -133,14 +133,14 @@ class Divider {
 
  private:
   bool has_crease(const Box2& box, int axis) const {
-    const auto& creases = axis == 0 ? shape_.bend().creases_u() : shape_.bend().creases_v();
+    const auto& creases = shape_.creases(axis);
     return std::any_of(creases.begin(), creases.end(), [&](double c) { return c > box.lo[axis] && c < box.hi[axis]; });
   }
 
   // Halves, at a crease if there is one inside.
   bool cut(const Box2& box, int axis, Box2& low, Box2& high) const {
     double at = box.middle()[axis];
-    const auto& creases = axis == 0 ? shape_.bend().creases_u() : shape_.bend().creases_v();
+    const auto& creases = shape_.creases(axis);
     double least = kInf;
     for (double c : creases)
       if (c > box.lo[axis] && c < box.hi[axis] && std::abs(c - box.middle()[axis]) < least) {

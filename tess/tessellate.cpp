@@ -115,13 +115,6 @@ class PartMesher {
     }
   }
 
-  // The points of a face's triangles: those of the net as they are, its own made different by a mark.
-  std::uint64_t global_point(std::size_t f, std::uint32_t node) const {
-    const FaceMesh& mesh = faces_[f];
-    const std::uint64_t point = mesh.nodes[node].point;
-    return node < mesh.border ? point : (static_cast<std::uint64_t>(f + 1) << 32) | point;
-  }
-
   // Triangles' sides between two border points that several faces have in common, though they are no segments of edges, would make edges
   // with more than two triangles: each such side takes a point in its middle.
   std::set<int> part_touching() {
@@ -135,7 +128,7 @@ class PartMesher {
         for (std::size_t k = 0; k < 3; ++k) {
           const std::uint32_t a = t[k], b = t[(k + 1) % 3];
           const FaceMesh& mesh = faces_[f];
-          if (a >= mesh.border || b >= mesh.border) continue;
+          if (!mesh.on_edge(a) || !mesh.on_edge(b)) continue;
           sides[side_of(mesh.nodes[a].point, mesh.nodes[b].point)].push_back({f, 0.5 * (mesh.nodes[a].uv + mesh.nodes[b].uv)});
         }
     std::unordered_map<Side, int> segments;
@@ -171,20 +164,16 @@ class PartMesher {
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       FaceMesh& face = faces_[f];
       const auto first = static_cast<std::uint32_t>(mesh.nodes.size());
-      for (std::size_t i = 0; i < face.nodes.size(); ++i) {
-        MeshNode node = face.nodes[i];
-        if (i < face.border) {
-          std::uint32_t& n = number[node.point];
-          if (n == 0xffffffffu) {
-            n = static_cast<std::uint32_t>(mesh.points.size());
-            mesh.points.push_back(net_->points()[node.point]);
-          }
-          node.point = n;
-        } else {
-          const Point3 p = face.inner[node.point];
-          node.point = static_cast<std::uint32_t>(mesh.points.size());
-          mesh.points.push_back(p);
-        }
+      for (std::size_t i = 0; i < face.border; ++i) {
+        std::uint32_t& n = number[face.nodes[i].point];
+        if (n != 0xffffffffu) continue;
+        n = static_cast<std::uint32_t>(mesh.points.size());
+        mesh.points.push_back(net_->points()[face.nodes[i].point]);
+      }
+      const auto first_inner = static_cast<std::uint32_t>(mesh.points.size());
+      mesh.points.insert(mesh.points.end(), face.inner.begin(), face.inner.end());
+      for (MeshNode node : face.nodes) {
+        node.point = node.point < FaceMesh::kInner ? number[node.point] : first_inner + (node.point - FaceMesh::kInner);
         mesh.nodes.push_back(node);
       }
       for (const Triangle& t : face.triangles) mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});

@@ -201,6 +201,60 @@ TEST(TessellateShapes, CollapsedSidesOfNurbs) {
   }
 }
 
+// A plane's strip between two rows of poles, three for each span of `v` and one at the end; at any place.
+SolidPart strip(const std::string& name, const std::vector<Vec2>& row, const std::vector<Vec2>& other, const Frame& frame) {
+  NurbsSurface s;
+  s.degree_u = 1;
+  s.degree_v = 3;
+  s.count_u = 2;
+  s.count_v = static_cast<int>(row.size());
+  s.knots_u = {0, 0, 1, 1};
+  const std::size_t spans = row.size() / 3;
+  s.knots_v = {0};
+  for (std::size_t i = 0; i <= spans; ++i) s.knots_v.insert(s.knots_v.end(), 3, static_cast<double>(i));
+  s.knots_v.push_back(static_cast<double>(spans));
+  for (const auto* poles : {&row, &other})
+    for (const Vec2& p : *poles) s.poles.push_back(homogeneous(frame.O + p.x * frame.X + p.y * frame.Y, 1));
+  return finished(untrimmed(name, s, natural_domain(s), 4, [](const Point3&) { return 0.0; }));
+}
+
+const Frame kPlaces[] = {{}, {{0.3, -0.2, 0.7}, {0.36, 0.48, -0.8}, {-0.8, 0.6, 0}, {0.48, 0.64, 0.6}}};
+
+// Where a span starts with a pole twice, its derivative is nothing there, and its second derivative leads away from the span before.
+TEST(TessellateShapes, NormalsWhereBothSidesStandStillForAMoment) {
+  const std::vector<Vec2> side{{0, 1},     {0.3, 1},   {0.6, 1.1}, {1, 1.2}, {1.3, 1.3}, {1.6, 1.2}, {2, 1},
+                               {2.3, 0.9}, {2.6, 0.8}, {3, 0.8},   {3, 0.8}, {3.5, 0.7}, {4, 0.5}};
+  std::vector<Vec2> base = side;
+  for (Vec2& p : base) p.y = 0;
+  int there = 0;
+  for (const Frame& frame : kPlaces)
+    for (const double T : kTolerances) {
+      const SolidPart s = strip("strip that halts", base, side, frame);
+      const PartTessellation made = tessellated(s, T);
+      for (const MeshNode& node : made.mesh.nodes) {
+        EXPECT_LT(glm::dot(node.normal, frame.Z), -0.999) << node.uv.x << " " << node.uv.y;
+        there += node.uv.y == 3;
+      }
+    }
+  EXPECT_GE(there, 12);
+}
+
+// The end of the strip is a line: in a span all of whose poles stand still, and in one where one side runs to the other along that line.
+TEST(TessellateShapes, SpansWithoutArea) {
+  const Vec2 a{3, 0.2}, c{3.1, 0};
+  const std::vector<Vec2> side{{0, 0.2}, {1, 0.5}, {2, 0.3}, a, a, a, a, a, a, c}, base{{0, 0}, {1, 0}, {2, 0}, c, c, c, c, c, c, c};
+  int left_out = 0;
+  for (const Frame& frame : kPlaces)
+    for (const double T : {1e-1, 3e-2, 1e-2, 3e-3}) {
+      const SolidPart s = strip("strip that ends as a line", base, side, frame);
+      const PartTessellation made = tessellated(s, T);
+      const MeshReport r = verify(s.part, made.mesh, notes_of(made));
+      EXPECT_TRUE(r.sound()) << T << " " << text_of(r);
+      left_out += made.faces[0].collapsed;
+    }
+  EXPECT_GT(left_out, 0);
+}
+
 TEST(TessellateShapes, ClosedNurbsWithoutLoopsAreClosedMeshes) {
   for (int i = 0; i < kClosedSurfaces; ++i) {
     const ClosedSurface closed = closed_surface(i);
