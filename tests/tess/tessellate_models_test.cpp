@@ -10,25 +10,6 @@
 namespace iso::test {
 namespace {
 
-// A defect that is known and why it is allowed, at any of the tolerances; more than the figure is a failure.
-struct Allowed {
-  const char *file, *what;
-  double figure;  // measured
-  const char* reason;
-};
-constexpr const char* kTip =
-    "toward the trailing edge the tip cap's two sides run along one line: between them a triangle has no side to look to, or no area";
-const std::vector<Allowed> kAllowed{
-    {"brlcad-openvsp-wing.stp", "folded", 2, kTip},
-    {"brlcad-openvsp-wing.stp", "no area", 1, kTip},
-};
-
-bool is_allowed(const std::string& file, const Defect& d) {
-  for (const Allowed& a : kAllowed)
-    if (file == a.file && d.what == a.what && d.figure <= a.figure) return true;
-  return false;
-}
-
 // Files that hold nothing to mesh.
 bool has_no_faces(const Error& error) { return error.text().find("no faces that can be used") != std::string::npos; }
 
@@ -54,7 +35,6 @@ void survey_part(const std::string& file, const Part& part, int number, double s
   survey.faces += static_cast<int>(part.faces.size());
   survey.triangles += made.mesh.triangles.size();
   for (Defect& d : defects_of(part, made, tolerance, samples, random)) {
-    if (is_allowed(file, d)) continue;
     d.part = number;
     ++survey.defects;
     ADD_FAILURE() << fmt::format("{} {:.0e} {}", file, share, text_of(d));
