@@ -187,7 +187,8 @@ class FaceMesher {
     const Vec2 p = uv * scale_;
     if (check_inside && !inside_at(p)) return Triangulation::kNone;
     const TangentJet jet = shape_.eval().at(uv);
-    if (!shape_.is_regular(jet)) return Triangulation::kNone;  // beside no area there is nothing to come nearer to
+    // Where there is no area there is nothing to come nearer to.
+    if (shape_.is_line_somewhere() && !shape_.is_regular(jet)) return Triangulation::kNone;
     const std::uint32_t vertex = triangulation_->insert(p, near_);
     near_ = vertex;
     if (vertex < node_of_.size() && node_of_[vertex] != Triangulation::kNone) return vertex;  // there was a node already
@@ -392,7 +393,7 @@ class FaceMesher {
 
   // Whether it is a line in space because the surface is one there: spans whose poles repeat, or lie on one line.
   bool is_without_area(const Corners& t) const {
-    if (is_collapsed(t)) return false;
+    if (!shape_.is_line_somewhere() || is_collapsed(t)) return false;
     const Point3 a = placed(t.v[0]), b = placed(t.v[1]), c = placed(t.v[2]);
     const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
     if (glm::length(glm::cross(b - a, c - a)) > kOnLine * (glm::length(a) + longest) * longest) return false;

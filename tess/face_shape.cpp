@@ -77,9 +77,11 @@ void FaceShape::add_ends_of_area(const NurbsSurface& s) {
       }
       return false;
     };
-    bool before = along.size() > 2 && has_area(0);
+    bool before = has_area(0);
+    is_line_somewhere_ |= !before;
     for (std::size_t i = 1; i + 1 < along.size(); ++i) {
       const bool here = has_area(i);
+      is_line_somewhere_ |= !here;
       if (here != before && along[i] > face_->domain.lo[static_cast<int>(axis)] && along[i] < face_->domain.hi[static_cast<int>(axis)])
         creases_[axis].push_back(along[i]);
       before = here;

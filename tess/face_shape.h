@@ -34,6 +34,9 @@ class FaceShape {
   // no area, for beyond them it has no tangent plane.
   const std::vector<double>& creases(int axis) const { return creases_[static_cast<std::size_t>(axis)]; }
 
+  // Whether there are such spans.
+  bool is_line_somewhere() const { return is_line_somewhere_; }
+
   // World units: no point of the triangle is farther from the surface, and no point of the surface over a, b, c farther from the triangle
   // and its neighbours. Infinite where nothing is proven. Closed forms for planes, cylinders, cones and spheres.
   double triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c) const;
@@ -73,6 +76,7 @@ class FaceShape {
   SurfaceEval eval_;
   BendTree bend_;
   std::array<std::vector<double>, 2> creases_;
+  bool is_line_somewhere_ = false;
 };
 
 // World units.
