@@ -17,7 +17,10 @@ namespace {
 // How fine our own mesh is made, where nobody says: first this share of the diagonal; then this share of the mesh's own distance, but not
 // finer than so many triangles allow.
 constexpr double kFirstReference = 1e-4, kShareOfDistance = 0.02, kFinestReference = 1e-8;
-constexpr double kMostReferenceTriangles = 1.5e6;
+constexpr double kMostReferenceTriangles = 1.5e6, kFinerAtOnce = 16;
+
+// A tolerance for which splines beside charts must be one level finer, not more: those take much memory, and the finest may not do.
+constexpr double kOneSplineFiner = 4;
 
 constexpr double kSpacing = 1.0 / 96;  // of the diagonal, between samples
 constexpr double kUsual = 0.95;        // the share of triangles whose distances are taken for usual
@@ -123,14 +126,22 @@ void Comparison::choose_reference() {
     usual_middle_ = rough_distance();
     return;
   }
-  const double first = kFirstReference * diagonal_;
-  faces_ = std::make_unique<ExactFaces>(parts_, first);
+  double now = kFirstReference * diagonal_;
+  faces_ = std::make_unique<ExactFaces>(parts_, now);
   usual_middle_ = rough_distance();
-  // Triangles grow as one over the distance.
-  const double wanted = std::max(kShareOfDistance * usual_middle_, kFinestReference * diagonal_);
-  const double affordable = first * static_cast<double>(faces_->triangles().size()) / kMostReferenceTriangles;
-  const double next = std::max(wanted, affordable);
-  if (next < 0.7 * first) faces_ = std::make_unique<ExactFaces>(parts_, next);
+  double splines = 0;  // how far the charts of n-sided patches are from theirs
+  for (const PlacedPart& p : parts_)
+    for (const Face& face : p.part->faces) splines = std::max(splines, stretch_of(p.to_world) * distance_of_pieces(face.surface));
+  const double wanted = std::max({kShareOfDistance * usual_middle_, kFinestReference * diagonal_, kOneSplineFiner * splines});
+  // Triangles grow as one over the distance, once they are many: what few of them promise may be wrong by far (flat faces whose parameters
+  // bend), so that the way there is not taken at once.
+  for (;;) {
+    const double affordable = now * static_cast<double>(faces_->triangles().size()) / kMostReferenceTriangles;
+    const double next = std::max({wanted, affordable, now / kFinerAtOnce});
+    if (!(next < 0.7 * now)) return;
+    faces_ = std::make_unique<ExactFaces>(parts_, next);
+    now = next;
+  }
 }
 
 void Comparison::start_faces() {
