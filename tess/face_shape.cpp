@@ -263,12 +263,23 @@ bool FaceShape::is_regular(const TangentJet& at) const {
   return area > kLeastSine * su * sv && std::min(extent.x, extent.y) > kLeastExtent * std::max(extent.x, extent.y);
 }
 
-// Where a span starts with poles that repeat, derivatives say where it goes, and not where the span before came from: the limit is the own
-// span's. A span without any area has none, and takes the normal of the nearest place that has one.
+// Where a span starts with poles that repeat, derivatives say where it goes, and not where the span before came from: at an end of a span
+// the limit is looked for inside it. A span without any area has no limit, and takes the normal of the nearest place that has one.
 Vec3 FaceShape::limit_normal(const UV& uv) const {
   constexpr double kFirstStep = 1e-6, kLastStep = 0.5;  // of the domain
+  constexpr double kAtEnd = 1e-9;                       // of the span
   const Box2 span = span_around(*face_, uv), &domain = face_->domain;
-  if (is_regular(eval_.at(span.middle()))) return unit_normal(face_->surface, uv, span);
+  if (is_regular(eval_.at(span.middle()))) {
+    Box2 inside = domain;  // as wide as the domain, and on the side of uv where the span is
+    for (int axis = 0; axis < 2; ++axis) {
+      const double near = kAtEnd * span.size()[axis], width = domain.size()[axis];
+      if (span.lo[axis] > domain.lo[axis] && uv[axis] - span.lo[axis] <= near)
+        inside.lo[axis] = uv[axis], inside.hi[axis] = uv[axis] + width;
+      else if (span.hi[axis] < domain.hi[axis] && span.hi[axis] - uv[axis] <= near)
+        inside.lo[axis] = uv[axis] - width, inside.hi[axis] = uv[axis];
+    }
+    return unit_normal(face_->surface, uv, inside);
+  }
   for (double step = kFirstStep; step <= kLastStep; step *= 2)
     for (const Vec2& way : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1)})
       if (const TangentJet at = eval_.at(glm::clamp(uv + step * way * domain.size(), domain.lo, domain.hi)); is_regular(at))
