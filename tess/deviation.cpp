@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 
+#include "patches/trim.h"
 #include "tess/box_tree.h"
 #include "tess/triangle_distance.h"
 
@@ -104,8 +105,9 @@ double distance_to_mesh(const PartMesh& mesh, const Around& around, const Point3
   return least;
 }
 
-// Distance of x from the surface near (u, v), by Gauss-Newton steps that are taken only downhill.
-double distance_to_surface(const AnySurface& surface, const Point3& x, UV uv, int steps) {
+// Distance of x from the surface near (u, v), by Gauss-Newton steps that are taken only downhill, until one leaves more than `settled` of
+// it.
+double distance_to_surface(const AnySurface& surface, const Point3& x, UV uv, int steps, double settled) {
   Jet2 at = jet2(surface, uv);
   double least = glm::length(at.S - x);
   for (int i = 0; i < steps; ++i) {
@@ -117,7 +119,7 @@ double distance_to_surface(const AnySurface& surface, const Point3& x, UV uv, in
     const Jet2 moved = jet2(surface, next);
     const double d = glm::length(moved.S - x);
     if (!(d < least)) break;
-    const bool done = d > 0.999 * least;
+    const bool done = d > settled * least;
     least = d;
     at = moved;
     uv = next;
@@ -142,7 +144,7 @@ const std::vector<Vec3>& samples_of(Sampling sampling) {
 class FaceMeter {
  public:
   FaceMeter(const Part& part, const PartMesh& mesh, const Around& around, Everywhere& everywhere, std::size_t face)
-      : face_(part.faces[face]), mesh_(mesh), around_(around), everywhere_(everywhere) {}
+      : part_(part), face_(part.faces[face]), mesh_(mesh), around_(around), everywhere_(everywhere) {}
 
   FaceDeviation measured(std::uint32_t begin, std::uint32_t end, Sampling sampling) {
     double angles = 0;
@@ -155,7 +157,7 @@ class FaceMeter {
         const Point3 x = l.x * mesh_.corner(t, 0) + l.y * mesh_.corner(t, 1) + l.z * mesh_.corner(t, 2);
         const Jet2 at = jet2(face_.surface, uv);
         take(result_.to_surface, off_surface(x, uv, t), uv, x);
-        take(result_.to_mesh, off_mesh(at.S, i), uv, at.S);
+        if (const double off = off_mesh(at.S, i); !(off > result_.worst) || is_on_face(uv)) take(result_.to_mesh, off, uv, at.S);
         const Vec3 n = glm::cross(at.Su, at.Sv) * (face_.reversed ? -1.0 : 1.0);
         if (glm::length(n) == 0) continue;
         const double angle = std::atan2(glm::length(glm::cross(n, cross)), glm::dot(n, cross));
@@ -175,11 +177,19 @@ class FaceMeter {
     return found > result_.worst ? everywhere_.nearest(S, found) : found;
   }
 
+  // Beside a curved border a triangle reaches beyond the face in (u, v): what lies there is no part of what is meshed.
+  bool is_on_face(const UV& uv) {
+    if (!region_) region_.emplace(face_, part_.edges, 4 * kEps * part_.box.diagonal());
+    return region_->contains(uv, face_.surface).inside;
+  }
+
   double off_surface(const Point3& x, const UV& uv, const Triangle& t) {
     constexpr int kFew = 4, kMany = 32;
-    double found = distance_to_surface(face_.surface, x, uv, kFew);
+    constexpr double kRoughly = 0.999, kAllButRounding = 1 - 1e-13;
+    double found = distance_to_surface(face_.surface, x, uv, kFew, kRoughly);
     if (!(found > result_.worst)) return found;
-    for (std::uint32_t n : t) found = std::min(found, distance_to_surface(face_.surface, x, 0.9 * mesh_.nodes[n].uv + 0.1 * uv, kMany));
+    for (std::uint32_t n : t)
+      found = std::min(found, distance_to_surface(face_.surface, x, 0.9 * mesh_.nodes[n].uv + 0.1 * uv, kMany, kAllButRounding));
     return found;
   }
 
@@ -191,10 +201,12 @@ class FaceMeter {
     result_.worst_place = place;
   }
 
+  const Part& part_;
   const Face& face_;
   const PartMesh& mesh_;
   const Around& around_;
   Everywhere& everywhere_;
+  std::optional<TrimRegion> region_;  // made when first asked
   FaceDeviation result_;
 };
 

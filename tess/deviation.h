@@ -32,7 +32,7 @@ class DistanceCounts {
 
 struct FaceDeviation {
   DistanceCounts to_surface;  // of points of triangles from the surface
-  DistanceCounts to_mesh;     // of points of the surface from the mesh
+  DistanceCounts to_mesh;     // of points of the surface from the mesh; the largest are points of the face, inside its loops
   UV worst_uv{0.0};
   Point3 worst_place{0.0};
   double worst = 0;        // the larger of both maxima, at worst_place
