@@ -1,6 +1,7 @@
 // Meshes of faces at the limits: loops that nearly touch, faces thinner than the tolerance, poles, apexes, collapsed sides, seams.
 #include <gtest/gtest.h>
 
+#include "tess/deviation.h"
 #include "tess/verify.h"
 #include "tests/support/closed_surfaces.h"
 #include "tests/support/solid_parts.h"
@@ -310,6 +311,27 @@ TEST(TessellateShapes, FacesAcrossTheSeam) {
     expect_area(PartOf("torus across its seams").face(Torus{{}, 1, 0.4}, {rectangle({5, 6}, {8, 9}, 0)}).done(), T, exact, 12);
     const auto turn = PartOf("more than a turn").face(Cylinder{{}, 1}, {{arc({6, 0.5}, 0.4, 0, kTwoPi, 0)}}).done();
     expect_area(turn, T, kPi * 0.16, 3);
+  }
+}
+
+// A chamfer: beside its curved border triangles reach beyond the face in (u, v), where the cone leaves them along itself.
+TEST(TessellateShapes, WhatIsMeasuredIsOfTheFaceWhereItsBorderIsCurved) {
+  const double w = 0.52, top = 6;
+  NurbsCurve<Vec2> border;
+  border.degree = 2;
+  border.knots = {0, 0, 0, 1, 1, 1};
+  border.poles = {homogeneous(Vec2(-w, 0), 1), homogeneous(Vec2(0, 9), 1), homogeneous(Vec2(w, 0), 1)};
+  const auto line = [](const Vec2& a, const Vec2& b, int edge) { return TrimCurve{Line<Vec2>{a, b - a}, 0, 1, edge}; };
+  const auto s = PartOf("chamfer")
+                     .face(Cone{{}, 30, -kPi / 3},
+                           {{{border, 0, 1, 0}, line({w, 0}, {w, top}, 1), line({w, top}, {-w, top}, 2), line({-w, top}, {-w, 0}, 3)}})
+                     .done();
+  for (const double T : {0.5, 0.06, 0.006}) {
+    const PartTessellation made = tessellated(s, T);
+    const FaceDeviation found = measure(s.part, made.mesh, Sampling::quick).faces[0];
+    EXPECT_LE(made.faces[0].bound, T);
+    EXPECT_LE(found.worst, made.faces[0].bound + made.faces[0].offset + 1e-11 * s.size) << T;
+    EXPECT_GT(found.worst, 0.2 * made.faces[0].bound) << T;
   }
 }
 
