@@ -400,17 +400,6 @@ class FaceMesher {
     return !shape_.is_regular(shape_.eval().at((node(t.v[0]).uv + node(t.v[1]).uv + node(t.v[2]).uv) / 3.0));
   }
 
-  // The place between a and b where the surface, which runs along the line between them, comes through p.
-  UV place_between(const SurfaceCorner& a, const SurfaceCorner& b, const Point3& p) const {
-    constexpr int kHalvings = 52;
-    double lo = 0, hi = 1;
-    for (int i = 0; i < kHalvings; ++i) {
-      const double middle = 0.5 * (lo + hi);
-      (glm::dot(shape_.eval().point(a.uv + middle * (b.uv - a.uv)) - p, b.S - a.S) < 0 ? lo : hi) = middle;
-    }
-    return a.uv + lo * (b.uv - a.uv);
-  }
-
   // Such a triangle is a line. Its longest side takes the point of the corner between: what is beside that side then meets the two others,
   // and the triangle falls into two that have this point twice, as at a pole. False where that side is on the border, or goes another way,
   // or the surface over the triangle is not proven to keep to the line.
@@ -428,7 +417,7 @@ class FaceMesher {
     const double sliver = sliver_of(t);
     const FaceShape::Verdict verdict = shape_.stays_near(a.S, b.S, {node(between).uv, a.uv, b.uv}, policy_.distance - sliver);
     if (!verdict.within) return false;
-    const UV uv = place_between(a, b, corner(between).S);
+    const UV uv = shape_.place_between(a, b, corner(between).S);
     const FaceShape::Placed at = shape_.place(uv);
     if (glm::length(at.S - corner(between).S) > kOnLine * (glm::length(at.S) + longest)) return false;
     near_ = t.v[0];
@@ -522,24 +511,9 @@ class FaceMesher {
 
   void count_folded(const Corners& t) {
     ++mesh_.folded;
-    const std::optional<Point3> fold = fold_within(t);
+    const std::optional<Point3> fold = shape_.fold_within({node(t.v[0]).uv, node(t.v[1]).uv, node(t.v[2]).uv});
     if (!fold) return;
     if (mesh_.at_folds++ == 0) mesh_.fold = *fold;
-  }
-
-  // Where the surface's own normal turns by more than a right angle within the triangle, which nothing divides further.
-  std::optional<Point3> fold_within(const Corners& t) const {
-    constexpr int kSteps = 8;
-    const UV a = node(t.v[0]).uv, ab = node(t.v[1]).uv - a, ac = node(t.v[2]).uv - a;
-    std::vector<Vec3> normals;
-    for (int i = 0; i <= kSteps; ++i)
-      for (int j = 0; i + j <= kSteps; ++j) {
-        const FaceShape::Placed at = shape_.place(a + ab * (double(i) / kSteps) + ac * (double(j) / kSteps));
-        for (const Vec3& n : normals)
-          if (glm::dot(n, at.normal) < 0) return at.S;
-        normals.push_back(at.normal);
-      }
-    return {};
   }
 
   const FaceShape& shape_;

@@ -224,6 +224,30 @@ FaceShape::Verdict FaceShape::stays_near(const Point3& a, const Point3& b, const
   return near_segment(*face_, a, b, uv, most, kMostDivisions);
 }
 
+UV FaceShape::place_between(const SurfaceCorner& a, const SurfaceCorner& b, const Point3& p) const {
+  constexpr int kHalvings = 52;
+  double lo = 0, hi = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (lo + hi);
+    (glm::dot(eval_.point(a.uv + middle * (b.uv - a.uv)) - p, b.S - a.S) < 0 ? lo : hi) = middle;
+  }
+  return a.uv + lo * (b.uv - a.uv);
+}
+
+std::optional<Point3> FaceShape::fold_within(const std::array<UV, 3>& uv) const {
+  constexpr int kSteps = 8;
+  const UV ab = uv[1] - uv[0], ac = uv[2] - uv[0];
+  std::vector<Vec3> normals;
+  for (int i = 0; i <= kSteps; ++i)
+    for (int j = 0; i + j <= kSteps; ++j) {
+      const Placed at = place(uv[0] + ab * (double(i) / kSteps) + ac * (double(j) / kSteps));
+      for (const Vec3& n : normals)
+        if (glm::dot(n, at.normal) < 0) return at.S;
+      normals.push_back(at.normal);
+    }
+  return {};
+}
+
 double FaceShape::segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const {
   if (std::holds_alternative<Sphere>(face_->surface)) {
     // A straight line in (u, v) is no great arc: the general bound.

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "patches/bend.h"
 #include "patches/brep.h"
@@ -53,6 +54,12 @@ class FaceShape {
 
   // Where the surface has no area: whether over a triangle of the parameters it is no farther than `most` from the segment from a to b.
   Verdict stays_near(const Point3& a, const Point3& b, const std::array<UV, 3>& uv, double most) const;
+
+  // There: the parameters between a and b where the surface, which runs along the line between them, comes through p.
+  UV place_between(const SurfaceCorner& a, const SurfaceCorner& b, const Point3& p) const;
+
+  // A place where the surface's own normal has turned by more than a right angle within a triangle of the parameters, if samples find one.
+  std::optional<Point3> fold_within(const std::array<UV, 3>& uv) const;
 
   // As `triangle_bound`, of the segment between two corners and the surface's curve over the straight line between them in (u, v).
   double segment_bound(const SurfaceCorner& a, const SurfaceCorner& b) const;
