@@ -56,7 +56,7 @@ HWY_INLINE Polished<D> polish(D d, const double* powers, int pu, int pv, const R
   V distance = hn::Zero(d), steps = hn::Zero(d);
   for (int step = 0; step < kDoubleSteps; ++step) {
     PatchJet<V, kComponents> jet;
-    evaluate<kDegree, kComponents>(d, powers, pu, pv, hn::MulAdd(box.half_x, a, box.x), hn::MulAdd(box.half_y, b, box.y), jet);
+    evaluate<kDegree, kComponents>(d, read_again(powers), pu, pv, hn::MulAdd(box.half_x, a, box.x), hn::MulAdd(box.half_y, b, box.y), jet);
     const PlaneJet<V> planes = plane_jet(jet, rays.planes);
     const V inverse = inverse_determinant(planes);
     V dx, dy;

@@ -28,6 +28,14 @@ HWY_INLINE LaneMask bits_of(D d, hn::Mask<D> mask, std::size_t first) {
   return (bits[0] | static_cast<LaneMask>(bits[1]) << 8) << first & lanes_from(first, hn::Lanes(d));
 }
 
+// The same address, about which the compiler knows nothing: else it takes a patch's coefficients, which do not change from step to step,
+// out of the loop, and there are more of them than registers.
+template <class T>
+HWY_INLINE const T* read_again(const T* at) {
+  asm volatile("" : "+r"(at));
+  return at;
+}
+
 // A point of a patch with its derivatives, homogeneous where the patch is rational.
 template <class V, int kComponents>
 struct PatchJet {
@@ -177,7 +185,7 @@ HWY_INLINE void newton_in_float(D d, const float* powers, int pu, int pv, const 
   auto going = lanes_of(d, out.certain, first);
   for (int step = 0; step < kFloatSteps; ++step) {
     PatchJet<V, kComponents> jet;
-    evaluate<kDegree, kComponents>(d, powers, pu, pv, hn::MulAdd(half_x, a, x0), hn::MulAdd(half_y, b, y0), jet);
+    evaluate<kDegree, kComponents>(d, read_again(powers), pu, pv, hn::MulAdd(half_x, a, x0), hn::MulAdd(half_y, b, y0), jet);
     V da, db;
     newton_step(jet, planes, da, db);
     da = hn::Mul(da, to_a);
