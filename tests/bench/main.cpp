@@ -14,6 +14,7 @@
 #include "tests/bench/patch_rays.h"
 #include "tests/bench/report.h"
 #include "tests/bench/tessellator_report.h"
+#include "tests/bench/traced_once.h"
 #include "tests/bench/trim_queries.h"
 
 namespace iso::bench {
@@ -21,6 +22,7 @@ namespace {
 
 constexpr const char *kBenchmark = "direct-versus-triangles", *kTrimQueries = "trim-queries", *kBrlCad = "brl-cad",
                      *kTessellators = "tessellators", *kPatches = "patches";
+constexpr Build kBuilds[] = {Build::medium, Build::high, Build::grid};
 constexpr int kSegments[] = {10, 100, 1000};
 constexpr int kQuickRounds = 3, kQuickRays = 1 << 18;
 constexpr std::size_t kQuickTolerances = 2;
@@ -112,6 +114,23 @@ int run_tessellators(const TessellatorOptions& options, bool json) {
   return static_cast<int>(std::cout ? Exit::done : Exit::read_write);
 }
 
+// Scene and rays are the names; `side`: direct, or a build of triangles.
+int run_once(const std::vector<BenchScene>& scenes, const std::vector<std::string>& names, const std::string& side,
+             const OnceOptions& options) {
+  const auto scene = std::find_if(scenes.begin(), scenes.end(), [&](const BenchScene& s) { return contains(names, s.name); });
+  if (names.size() != 2 || scene == scenes.end())
+    return fail({Exit::bad_command_line, {}, {}, "--once takes a scene and a set of rays: wavy-torus room, say"});
+  OnceOptions wanted = options;
+  wanted.rays = names[0] == scene->name ? names[1] : names[0];
+  const auto build = std::find_if(std::begin(kBuilds), std::end(kBuilds), [&](Build b) { return side == name_of(b); });
+  if (side != "direct" && build == std::end(kBuilds))
+    return fail({Exit::bad_command_line, {}, {}, fmt::format("unknown side '{}'; expected direct, MEDIUM, HIGH or GRID", side)});
+  const Result<Once> once = side == "direct" ? trace_directly_once(*scene, wanted) : trace_triangles_once(*scene, wanted, *build);
+  if (!once) return fail(once.error());
+  fmt::print("{} rays, {} hits\n", once->rays, once->hits);
+  return static_cast<int>(Exit::done);
+}
+
 int run(int argc, char** argv) {
   std::vector<BenchScene> scenes = bench_scenes();
   std::vector<std::string> scene_names;
@@ -138,10 +157,16 @@ int run(int argc, char** argv) {
   auto* rounds = app.add_option("--rounds", options.rounds, fmt::format("measured rounds after the warm-up [{}]", options.rounds))
                      ->check(CLI::Range(1, 1000));
   auto* count = app.add_option("--rays", options.rays, fmt::format("primary rays [{}]", options.rays))->check(CLI::Range(16, 1 << 26));
+  std::string side;
+  auto* once = app.add_option("--once", side, "trace the rays NAME of the scene NAME once, for a profiler: direct, MEDIUM, HIGH or GRID");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error, std::cout, std::cerr) == 0 ? static_cast<int>(Exit::done) : static_cast<int>(Exit::bad_command_line);
+  }
+  if (*once) {
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    return run_once(scenes, names, side, {{}, tolerances.empty() ? 1e-4 : tolerances.front(), *count ? options.rays : OnceOptions{}.count});
   }
   if (names == std::vector<std::string>{kTrimQueries}) return run_trim_queries(json);
   if (*quick && !*rounds) options.rounds = kQuickRounds;
