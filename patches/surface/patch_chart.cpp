@@ -89,16 +89,16 @@ NurbsSurface spline_of(const PatchChart& chart, const WeightSplines& splines) {
 }
 
 // About the middle of the points, since the weights sum to one; pairs by their middle and half of what they differ by. The worst cell.
-double distance_from_spline(const PatchChart& chart, const WeightSplines& splines) {
-  const std::size_t count = chart.points.size(), pairs = splines.pairs.size();
+double distance_from_spline(const std::vector<Vec3>& points, const WeightSplines& splines) {
+  const std::size_t count = points.size(), pairs = splines.pairs.size();
   Vec3 about{0.0};
-  for (const Vec3& p : chart.points) about += p / static_cast<double>(count);
+  for (const Vec3& p : points) about += p / static_cast<double>(count);
   std::vector<double> size(count), middle(pairs), apart(pairs);
-  for (std::size_t m = 0; m < count; ++m) size[m] = glm::length(chart.points[m] - about);
+  for (std::size_t m = 0; m < count; ++m) size[m] = glm::length(points[m] - about);
   for (std::size_t p = 0; p < pairs; ++p) {
     const auto a = static_cast<std::size_t>(splines.pairs[p].first), b = static_cast<std::size_t>(splines.pairs[p].second);
-    middle[p] = glm::length(0.5 * (chart.points[a] + chart.points[b]) - about);
-    apart[p] = glm::length(chart.points[a] - chart.points[b]);
+    middle[p] = glm::length(0.5 * (points[a] + points[b]) - about);
+    apart[p] = glm::length(points[a] - points[b]);
     size[a] = size[b] = 0;
   }
   double worst = 0;
@@ -115,6 +115,40 @@ double distance_from_spline(const PatchChart& chart, const WeightSplines& spline
 
 // What the spline that rays are sorted by may be off, as a share of the chart's control points' extent: far below a pixel.
 constexpr double kMostError = 3e-5;
+
+// The coarsest level whose spline is at most this far from the chart of these points, or the finest; none below `least`.
+struct Level {
+  int level = 0;
+  double error = 0;
+};
+Level level_within(const PatchBasis& basis, const std::vector<Vec3>& points, double most, int least) {
+  for (int level = least;; ++level) {
+    const double error = distance_from_spline(points, *weight_splines(basis, level));
+    if (error <= most || level + 1 == kSplineLevels) return {level, error};
+  }
+}
+
+// Entry m of the result is the entry that takes its place.
+template <class T>
+std::vector<T> taken(const std::vector<T>& from, const std::vector<int>& places) {
+  std::vector<T> to;
+  to.reserve(from.size());
+  if (!from.empty())
+    for (const int m : places) to.push_back(from[static_cast<std::size_t>(m)]);
+  return to;
+}
+
+// One level for all charts of a patch: along the border of two of them their splines are the same curve only where they have the same
+// nodes. What lies between two curves no ray would meet, or meet twice.
+int level_of_patch(const PatchChart& chart, const std::vector<int>& turn, double most) {
+  int level = 0;
+  std::vector<Vec3> points = chart.points;
+  for (int k = 0; k < chart.basis.sides; ++k) {
+    level = level_within(chart.basis, points, most, level).level;
+    points = taken(points, turn);
+  }
+  return level;
+}
 
 }  // namespace
 
@@ -137,12 +171,8 @@ PatchChart chart_of(const NSidedPatch& patch, int corner) {
   PatchChart chart{.basis = patch.basis, .points = patch.points, .weights = patch.weights, .patch = 0, .corner = corner, .near = {}};
   const std::vector<int> turn = points_from_next_corner(patch.basis);
   for (int k = 0; k < corner; ++k) {
-    const std::vector<Vec3> points = chart.points;
-    const std::vector<double> weights = chart.weights;
-    for (std::size_t m = 0; m < turn.size(); ++m) {
-      chart.points[m] = points[static_cast<std::size_t>(turn[m])];
-      if (!weights.empty()) chart.weights[m] = weights[static_cast<std::size_t>(turn[m])];
-    }
+    chart.points = taken(chart.points, turn);
+    chart.weights = taken(chart.weights, turn);
   }
   if (patch.basis.kind == PatchKind::bezier_triangle) {
     chart.near = std::make_shared<const NurbsSurface>(tensor_of_triangle(chart));
@@ -152,19 +182,17 @@ PatchChart chart_of(const NSidedPatch& patch, int corner) {
   for (const Vec3& p : chart.points) box.include(p);
   // What all points have in common rounds: a patch that is a point needs no finer spline.
   const double coordinates = glm::length(glm::max(glm::abs(box.lo), glm::abs(box.hi)));
-  ChartSpline spline = spline_beside(chart, kMostError * box.diagonal() + kRounding * coordinates);
-  chart.near = std::move(spline.near);
-  chart.error = spline.error;
+  const double most = kMostError * box.diagonal() + kRounding * coordinates;
+  const std::shared_ptr<const WeightSplines> splines = weight_splines(chart.basis, level_of_patch(chart, turn, most));
+  chart.near = std::make_shared<const NurbsSurface>(spline_of(chart, *splines));
+  chart.error = distance_from_spline(chart.points, *splines);
   return chart;
 }
 
 ChartSpline spline_beside(const PatchChart& chart, double most) {
   if (chart.basis.kind == PatchKind::bezier_triangle || (chart.near && chart.error <= most)) return {chart.near, chart.error};
-  for (int level = 0;; ++level) {
-    const std::shared_ptr<const WeightSplines> splines = weight_splines(chart.basis, level);
-    const double error = distance_from_spline(chart, *splines);
-    if (error <= most || level + 1 == kSplineLevels) return {std::make_shared<const NurbsSurface>(spline_of(chart, *splines)), error};
-  }
+  const Level found = level_within(chart.basis, chart.points, most, 0);
+  return {std::make_shared<const NurbsSurface>(spline_of(chart, *weight_splines(chart.basis, found.level))), found.error};
 }
 
 Point3 point_of(const PatchChart& chart, const Vec2& st) {
