@@ -53,15 +53,25 @@ PlaneJet plane_jet(const BezierPatch& patch, const LocalRay& ray, const Vec2& st
 }
 
 // The point of the window at which |F| is least, to first order, for a root `ab` just beyond the border. Where the ray grazes, the plane
-// equations are met to rounding along a valley that crosses the border elsewhere than beside the root.
+// equations are met to rounding along a valley that crosses the border elsewhere than beside the root: a root beyond a corner may look
+// past the corner along either of its borders.
 Vec2 nearest_on_border(const Vec2& ab, const Mat2& J) {
-  Vec2 held = glm::clamp(ab, Vec2(-1.0), Vec2(1.0));
-  const Vec2 a{J.a, J.c}, b{J.b, J.d}, move = held - ab;
-  if (move.y == 0)
-    held.y -= glm::dot(a, b) / glm::dot(b, b) * move.x;
-  else if (move.x == 0)
-    held.x -= glm::dot(a, b) / glm::dot(a, a) * move.y;
-  return glm::clamp(held, Vec2(-1.0), Vec2(1.0));
+  const Vec2 column[2] = {{J.a, J.c}, {J.b, J.d}};
+  const Vec2 clamped = glm::clamp(ab, Vec2(-1.0), Vec2(1.0));
+  Vec2 nearest = clamped;
+  double least = kInf;
+  for (const int held : {0, 1}) {
+    if (clamped[held] == ab[held]) continue;
+    const int free = 1 - held;
+    Vec2 at = clamped;
+    const double along = glm::dot(column[free], column[free]);
+    if (along > 0) at[free] = ab[free] - glm::dot(column[held], column[free]) / along * (clamped[held] - ab[held]);
+    at = glm::clamp(at, Vec2(-1.0), Vec2(1.0));
+    const double off = glm::length(J.times(at - ab));
+    if (off < least) nearest = at;
+    least = std::min(least, off);
+  }
+  return nearest;
 }
 
 enum class NewtonEnd { converged, left_window, failed };
