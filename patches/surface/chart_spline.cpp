@@ -17,9 +17,12 @@ constexpr int kDegree = 5;
 // halve there.
 constexpr std::array kFirstNodes{0.0, 1.0 / 24, 1.0 / 12, 1.0 / 6, 1.0 / 3, 1.0 / 2, 3.0 / 4, 1.0};
 
-std::vector<double> nodes_of(int level) {
+// The first cell of a fine corner: 64 times smaller than at first.
+constexpr double kFineCell = 1.0 / 24 / 64;
+
+std::vector<double> nodes_of(const SplineGrid& grid) {
   std::vector<double> nodes(kFirstNodes.begin(), kFirstNodes.end());
-  for (; level > 0; --level) {
+  for (int level = grid.level; level > 0; --level) {
     std::vector<double> finer{0.0, 0.25 * nodes[1]};
     for (std::size_t k = 1; k < nodes.size(); ++k) {
       finer.push_back(0.5 * (nodes[k - 1] + nodes[k]));
@@ -27,6 +30,8 @@ std::vector<double> nodes_of(int level) {
     }
     nodes = std::move(finer);
   }
+  if (grid.at_corner == AtCorner::fine)
+    while (nodes[1] > 1.5 * kFineCell) nodes.insert(nodes.begin() + 1, 0.5 * nodes[1]);
   return nodes;
 }
 
@@ -71,8 +76,8 @@ double combine(const std::array<double, 3>& s, const std::array<double, 3>& t, c
 
 class SplineMaker {
  public:
-  SplineMaker(const PatchBasis& basis, int level)
-      : basis_(basis), points_(point_count(basis)), at_(nodes_of(level)), cells_(static_cast<int>(at_.size()) - 1) {
+  SplineMaker(const PatchBasis& basis, const SplineGrid& grid)
+      : basis_(basis), points_(point_count(basis)), at_(nodes_of(grid)), cells_(static_cast<int>(at_.size()) - 1) {
     nodes_.resize(at_.size() * at_.size());
   }
 
@@ -94,6 +99,12 @@ class SplineMaker {
     out.error_of_difference.assign(out.cells * out.pairs.size(), kRounding);
     for (int i = 0; i < cells_; ++i)
       for (int j = 0; j < cells_; ++j) prove_cell(i, j, out);
+    for (int k = 0; k < cells_; ++k) {
+      const Range along{at_[k], at_[k + 1]}, across{-0.5 * at_[1], 0.5 * at_[1]};
+      out.slopes.push_back(slopes_amid(k, 0, {{along.lo, across.lo}, {along.hi, across.hi}}));
+      out.slopes.push_back(slopes_amid(0, k, {{across.lo, along.lo}, {across.hi, along.hi}}));
+      out.slopes.push_back(slopes_amid(k, k, {Vec2(along.lo), Vec2(along.hi)}));
+    }
     return out;
   }
 
@@ -180,6 +191,22 @@ class SplineMaker {
     return rows;
   }
 
+  // In the middle of a box about which the spline is that of the cell.
+  SampledSlopes slopes_amid(int i, int j, const Box2& box) const {
+    const Vec2 st = box.middle(), half = 0.5 * box.size();
+    std::vector<Dual1<double>> W(points_);
+    patch_weights<Dual1<double>>(basis_, {st.x, 1.0, 0.0}, {st.y, 0.0, 1.0}, W.data());
+    SampledSlopes slopes;
+    for (int m = 0; m < points_; ++m) {
+      const Taylor spline = quintic(i, j, m, box);
+      slopes.s.push_back(W[m].u);
+      slopes.t.push_back(W[m].v);
+      slopes.spline_s.push_back(spline.c[Taylor::index(1, 0)] / half.x);
+      slopes.spline_t.push_back(spline.c[Taylor::index(0, 1)] / half.y);
+    }
+    return slopes;
+  }
+
   void prove_cell(int i, int j, WeightSplines& out) { prove(i, j, {{at_[i], at_[j]}, {at_[i + 1], at_[j + 1]}}, 0, out); }
 
   void prove(int i, int j, const Box2& box, int level, WeightSplines& out) {
@@ -223,9 +250,9 @@ class SplineMaker {
 
 }  // namespace
 
-std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis, int level) {
-  static MadeOnce<std::pair<PatchBasis, int>, WeightSplines> kept;
-  return kept.of({basis, level}, [&] { return SplineMaker(basis, level).make(); });
+std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis, const SplineGrid& grid) {
+  static MadeOnce<std::pair<PatchBasis, SplineGrid>, WeightSplines> kept;
+  return kept.of({basis, grid}, [&] { return SplineMaker(basis, grid).make(); });
 }
 
 }  // namespace iso

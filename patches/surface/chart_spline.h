@@ -13,6 +13,23 @@
 
 namespace iso {
 
+// Cells: each level halves those of the one before, the first of a row twice, which divides the distance by about sixteen. Fine at the
+// corner: there the first cell of a row is halved further. Second derivatives of a blended chart depend on the direction at its corner,
+// which no spline follows; so in the first cells, whatever their size, the spline's tangents are off by some share of that size.
+enum class AtCorner : std::uint8_t { coarse, fine };
+struct SplineGrid {
+  int level = 0;
+  AtCorner at_corner = AtCorner::coarse;
+
+  bool operator==(const SplineGrid&) const = default;
+};
+inline constexpr int kSplineLevels = 4;
+
+// First derivatives at one place, per control point: the weights', and those of their splines.
+struct SampledSlopes {
+  std::vector<double> s, t, spline_s, spline_t;
+};
+
 struct WeightSplines {
   std::vector<double> knots;               // the same in s and t; degree 5, inner knots three times
   int count = 0;                           // poles in s, and in t
@@ -23,12 +40,11 @@ struct WeightSplines {
   std::vector<double> error;
   std::vector<std::pair<int, int>> pairs;
   std::vector<double> error_of_sum, error_of_difference;
+  // In the middle of the cells' sides along both borders at the corner, and of the cells on the diagonal.
+  std::vector<SampledSlopes> slopes;
 };
 
-// Each level halves the cells of the one before, the first of a row twice: a fourth of the distance or less each time.
-inline constexpr int kSplineLevels = 4;
-
-// Made once per basis and level, kept while the program runs; safe from all threads.
-std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis, int level);
+// Made once per basis and grid, kept while the program runs; safe from all threads.
+std::shared_ptr<const WeightSplines> weight_splines(const PatchBasis& basis, const SplineGrid& grid);
 
 }  // namespace iso

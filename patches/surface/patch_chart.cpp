@@ -1,5 +1,6 @@
 #include "patches/surface/patch_chart.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "patches/base/check.h"
@@ -115,17 +116,24 @@ double distance_from_spline(const std::vector<Vec3>& points, const WeightSplines
 
 // What the spline that rays are sorted by may be off, as a share of the chart's control points' extent: far below a pixel.
 constexpr double kMostError = 3e-5;
+// Radians between the normals of chart and spline: rays that meet a chart more steeply meet its spline as often. Where a patch folds beside
+// a corner, its tangents all but along each other, normals turn over within a hundredth of the chart.
+constexpr double kMostTurn = 0.01;
 
-// The coarsest level whose spline is at most this far from the chart of these points, or the finest; none below `least`.
-struct Level {
-  int level = 0;
-  double error = 0;
-};
-Level level_within(const PatchBasis& basis, const std::vector<Vec3>& points, double most, int least) {
-  for (int level = least;; ++level) {
-    const double error = distance_from_spline(points, *weight_splines(basis, level));
-    if (error <= most || level + 1 == kSplineLevels) return {level, error};
+// Whether a spline's normals turn away from the chart's. What is no area to rounding has no normals.
+bool turns_away(const std::vector<Vec3>& points, const WeightSplines& splines, double size) {
+  for (const SampledSlopes& slopes : splines.slopes) {
+    const auto tangent = [&](const std::vector<double>& by) {
+      Vec3 sum{0.0};
+      for (std::size_t m = 0; m < points.size(); ++m) sum += by[m] * points[m];
+      return sum;
+    };
+    const Vec3 n = glm::cross(tangent(slopes.s), tangent(slopes.t)),
+               beside = glm::cross(tangent(slopes.spline_s), tangent(slopes.spline_t));
+    if (!(glm::length(n) > kRounding * size * size)) continue;
+    if (glm::length(glm::cross(n, beside)) > kMostTurn * glm::dot(n, beside)) return true;
   }
+  return false;
 }
 
 // Entry m of the result is the entry that takes its place.
@@ -138,16 +146,22 @@ std::vector<T> taken(const std::vector<T>& from, const std::vector<int>& places)
   return to;
 }
 
-// One level for all charts of a patch: along the border of two of them their splines are the same curve only where they have the same
+// One grid for all charts of a patch: along the border of two of them their splines are the same curve only where they have the same
 // nodes. What lies between two curves no ray would meet, or meet twice.
-int level_of_patch(const PatchChart& chart, const std::vector<int>& turn, double most) {
-  int level = 0;
-  std::vector<Vec3> points = chart.points;
-  for (int k = 0; k < chart.basis.sides; ++k) {
-    level = level_within(chart.basis, points, most, level).level;
-    points = taken(points, turn);
-  }
-  return level;
+SplineGrid grid_of_patch(const PatchChart& chart, const std::vector<int>& turn, double size, double most) {
+  std::vector<std::vector<Vec3>> corners{chart.points};
+  while (corners.size() < static_cast<std::size_t>(chart.basis.sides)) corners.push_back(taken(corners.back(), turn));
+  SplineGrid grid;
+  const std::shared_ptr<const WeightSplines> first = weight_splines(chart.basis, grid);
+  const auto keeps_sides = [&](const std::vector<Vec3>& points) { return !turns_away(points, *first, size); };
+  if (!std::all_of(corners.begin(), corners.end(), keeps_sides)) grid.at_corner = AtCorner::fine;
+  const auto is_near = [&] {
+    const std::shared_ptr<const WeightSplines> splines = weight_splines(chart.basis, grid);
+    return std::all_of(corners.begin(), corners.end(),
+                       [&](const std::vector<Vec3>& points) { return distance_from_spline(points, *splines) <= most; });
+  };
+  while (!is_near() && grid.level + 1 < kSplineLevels) ++grid.level;
+  return grid;
 }
 
 }  // namespace
@@ -183,7 +197,8 @@ PatchChart chart_of(const NSidedPatch& patch, int corner) {
   // What all points have in common rounds: a patch that is a point needs no finer spline.
   const double coordinates = glm::length(glm::max(glm::abs(box.lo), glm::abs(box.hi)));
   const double most = kMostError * box.diagonal() + kRounding * coordinates;
-  const std::shared_ptr<const WeightSplines> splines = weight_splines(chart.basis, level_of_patch(chart, turn, most));
+  const std::shared_ptr<const WeightSplines> splines =
+      weight_splines(chart.basis, grid_of_patch(chart, turn, box.diagonal() + coordinates, most));
   chart.near = std::make_shared<const NurbsSurface>(spline_of(chart, *splines));
   chart.error = distance_from_spline(chart.points, *splines);
   return chart;
@@ -191,8 +206,11 @@ PatchChart chart_of(const NSidedPatch& patch, int corner) {
 
 ChartSpline spline_beside(const PatchChart& chart, double most) {
   if (chart.basis.kind == PatchKind::bezier_triangle || (chart.near && chart.error <= most)) return {chart.near, chart.error};
-  const Level found = level_within(chart.basis, chart.points, most, 0);
-  return {std::make_shared<const NurbsSurface>(spline_of(chart, *weight_splines(chart.basis, found.level))), found.error};
+  for (int level = 0;; ++level) {
+    const std::shared_ptr<const WeightSplines> splines = weight_splines(chart.basis, {.level = level});
+    const double error = distance_from_spline(chart.points, *splines);
+    if (error <= most || level + 1 == kSplineLevels) return {std::make_shared<const NurbsSurface>(spline_of(chart, *splines)), error};
+  }
 }
 
 Point3 point_of(const PatchChart& chart, const Vec2& st) {
