@@ -40,9 +40,15 @@ void add_corner_interpolator(int n, int k, const T& u, const T& u1, const T& v, 
   }
   // t_(k+1)'(0) and -t_k'(1) are both 9 times the second difference at the corner.
   const T uv = u * v * 9.0, none = uv * 0.0, minus = none - uv;
-  const bool here = k == 0;  // u and v vanish together at corner 0 only, of this chart
-  const T twist_next = here ? blend(v, u, minus, none) : minus * v / (u + v),
-          twist_own = here ? blend(u, v, minus, none) : minus * u / (u + v);
+  T twist_next, twist_own;
+  if (k == 0) {  // u and v vanish together at corner 0 only, of this chart
+    twist_next = blend(v, u, minus, none);
+    twist_own = blend(u, v, minus, none);
+  } else {
+    const T part = minus / (u + v);
+    twist_next = part * v;
+    twist_own = part * u;
+  }
   field(q_next[1], p_next[1], twist_next);
   field(p_next[0], q_next[0], twist_next);
   field(q_own[1], p_own[1], twist_own);
@@ -61,9 +67,15 @@ void charrot_gregory_weights(const DomainPoint<T>& x, SideParameters parameters,
   }
   const T scale = T(1.0) / sum;
   for (int m = 0; m < 5 * n; ++m) W[m] = T(0.0);
+  std::array<T, kMostSides> u, u_rest;  // v of a corner is 1 - u of the one before
   for (int k = 0; k < n; ++k) {
-    const T &own = d[k], &next = d[(k + 1) % n], &before = d[(k + n - 1) % n], &beyond = d[(k + 2) % n];
-    add_corner_interpolator(n, k, share(own, beyond), share(beyond, own), share(next, before), share(before, next), corner[k] * scale, W);
+    const T &own = d[k], &beyond = d[(k + 2) % n];
+    u[k] = share(own, beyond);
+    u_rest[k] = share(beyond, own);
+  }
+  for (int k = 0; k < n; ++k) {
+    const int before = (k + n - 1) % n;
+    add_corner_interpolator(n, k, u[k], u_rest[k], u_rest[before], u[before], corner[k] * scale, W);
   }
 }
 

@@ -23,12 +23,14 @@ struct RibbonWeights {
   int sides, degree;
   SideValues<T> at;
   std::array<std::array<T, kMost + 1>, kMostSides> along, inward;
+  std::array<T, kMostSides> per_distance;  // [k], not for corner 0: 1 / (h_k + h_(k+1))
 
   RibbonWeights(int degree_, const DomainPoint<T>& x, SideParameters parameters)
       : sides(x.sides), degree(degree_), at(side_values(x, parameters)) {
     for (int k = 0; k < sides; ++k) {
       bernstein_weights(degree, at.s[k], at.s_rest[k], along[k].data());
       bernstein_weights(degree, at.h[k], at.h_rest[k], inward[k].data());
+      if (k > 0) per_distance[k] = T(1.0) / (at.h[k] + at.h[(k + 1) % sides]);
     }
   }
   // The weight in its own ribbon of side k's point j in row r.
@@ -38,7 +40,7 @@ struct RibbonWeights {
     const T &from_own = at.h[k], &from_next = at.h[(k + 1) % sides];
     // Both vanish at corner 0, in whose chart we are, and at no other place of it.
     if (k == 0) return blend(from_own, from_next, X, Y);
-    return (from_own * X + from_next * Y) / (from_own + from_next);
+    return (from_own * X + from_next * Y) * per_distance[k];
   }
   // The weight of corner k itself. Near corner 0 it is 1 less a blend of small numbers, since the difference of the two near 1 is all
   // rounding.
