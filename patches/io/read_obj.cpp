@@ -26,6 +26,7 @@ class ObjBuilder {
     model.file = path_;
     model.format = "OBJ";
     refuse_without_surfaces();
+    refuse_without_polygons();
     Part part = part_of_polygons(model);
     int number = 0;
     for (const ObjElement& s : file_.surfaces) {
@@ -59,6 +60,13 @@ class ObjBuilder {
                " polygons and no free-form surface (surf), expected cstype bezier or bspline surfaces; --patches gregory makes patches of "
                "a control mesh's polygons");
     fail(path_, file_.lines, "found the end of the file, expected at least one free-form surface (surf)");
+  }
+
+  void refuse_without_polygons() const {
+    if (options_.patches && file_.polygons.empty())
+      fail(path_, file_.surfaces.front().line,
+           "patches are made of control meshes (--patches), expected polygons (f), found " + std::to_string(file_.surfaces.size()) +
+               " free-form surfaces (surf) alone; they need no such option");
   }
 
   // The patches of the control mesh, if they are wanted.

@@ -201,8 +201,14 @@ Result<SceneEntry> scene_for(const RenderOptions& options) {
     auto read = read_scene(options.input);
     if (!read) return read.error();
     scene = std::move(*read);
+    bool used = false;
     for (ModelEntry& entry : scene.models)
-      if (options.patches.name && has_ending(entry.file, ".obj")) entry.patches = options.patches.kind();
+      if (options.patches.name && has_ending(entry.file, ".obj")) {
+        entry.patches = options.patches.kind();
+        used = true;
+      }
+    if (options.patches.name && !used)
+      return bad_input(options.input, "models", "patches are made of control meshes (--patches), expected a model that is an OBJ file");
   } else {
     scene.models.push_back({options.input, {}, {}, options.patches.kind()});
     scene.background = Background{BackgroundKind::sky, {}};

@@ -17,10 +17,8 @@ CASES = [(scene, rays, side, tolerance)
              ("rational-torus", "primary bounce", "1e-4", "MEDIUM"),
              ("plate", "primary bounce room", "1e-4", "HIGH"),
              ("linkrods", "primary bounce room", "1e-4", "HIGH"),
-             ("motor-c", "primary bounce room", "1e-4", "HIGH"),
              ("hammer", "primary bounce room", "1e-4", "HIGH"),
-             ("propeller", "primary bounce room", "1e-4", "HIGH"),
-             ("wavy-torus", "primary bounce room scattered", "1e-6", "GRID")]
+             ("wavy-torus", "primary bounce room", "1e-6", "GRID")]
          for rays in sets.split() for side in (["direct", build] if tolerance == "1e-4" else [build])]
 
 # The first that fits a function's name or library.

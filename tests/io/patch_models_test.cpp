@@ -162,6 +162,9 @@ TEST(PatchModels, PolygonsAloneAskForPatches) {
   const auto other = read_model(data("patches/salvi-cagd-86.gbp"), {MeshPatches::gregory});
   ASSERT_FALSE(other);
   EXPECT_NE(other.error().message.find("expected an OBJ file with polygons"), std::string::npos) << other.error().text();
+  const auto surfaces = read_model(data("patches/teacup-bezier.obj"), {MeshPatches::gregory});
+  ASSERT_FALSE(surfaces);
+  EXPECT_NE(surfaces.error().message.find("expected polygons (f)"), std::string::npos) << surfaces.error().text();
 }
 
 TEST(PatchModels, TagsAndBadPolygonsAreToldAndTheRestIsRead) {

@@ -209,6 +209,15 @@ TEST_F(BadInput, CommandLines) {
   expect_checked(11);
 }
 
+TEST_F(BadInput, PatchesWithoutAControlMesh) {
+  const std::string surfaces = data("patches/teacup-bezier.obj");
+  expect_refusal(run_isophote({"info", surfaces, "--patches", "gregory"}), Exit::bad_input, surfaces, "expected polygons (f)");
+  const std::string scene = write("scene.json", "{\"models\": [{\"file\": \"" + data("patches/teapot.bpt") + "\"}]}");
+  expect_refusal(run_isophote({"render", scene, "--patches", "gregory", "-o", path("picture.exr"), "--size", "16x12"}), Exit::bad_input,
+                 scene, "expected a model that is an OBJ file");
+  expect_checked(2);
+}
+
 TEST_F(BadInput, RaysThatAreNone) {
   for (const char* line : {"1 2 3\n", "0 0 0 0 0 0\n", "0 0 0 1 0 nan\n", "0 0 0 1 0 zero\n", "0 0 0 1e999 0 0\n"}) {
     const ChildResult result = run_isophote({"hit", data(kCube)}, std::string("0 0 0 1 0 0\n") + line);
