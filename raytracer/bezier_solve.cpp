@@ -14,6 +14,8 @@ constexpr int kMostNewtonSteps = 16;
 constexpr int kMostCells = 20000;
 // A root may lie beyond the border of its leaf by this share of the leaf: neighbours overlap, duplicates are removed by whoever counts.
 constexpr double kBorder = 1e-9;
+// Of the patch: folds are told no more exactly.
+constexpr double kSmallestPassed = 0x1p-20;
 // Where rounding alone could move a root by more than this share of its window, the Jacobian is too near singular for Newton to decide.
 constexpr double kDoubtfulBorder = 0.25;
 
@@ -138,8 +140,8 @@ bool proves_empty(const BezierPatch& patch, const LocalRay& ray, const Window& w
 // The coefficients of (f, g) over a window: a tensor-product Bernstein net of 2-vectors on a shared stack.
 class Subdivision {
  public:
-  Subdivision(const BezierPatch& patch, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots)
-      : patch_(patch), ray_(ray), stats_(stats), roots_(roots), stride_(patch_.net.size()), first_root_(roots.size()) {}
+  Subdivision(const BezierPatch& patch, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots, PassedFolds* passed)
+      : patch_(patch), ray_(ray), stats_(stats), roots_(roots), passed_(passed), stride_(patch_.net.size()), first_root_(roots.size()) {}
 
   void run(const Window& leaf) {
     nets_.resize(stride_);
@@ -189,26 +191,38 @@ class Subdivision {
     }
   }
 
+  // What the equations, their sum and their difference reach over a window.
+  struct Reach {
+    Vec2 lo{kInf}, hi{-kInf};
+    Range sum, difference;
+
+    bool misses(double margin) const {
+      return lo.x > margin || hi.x < -margin || lo.y > margin || hi.y < -margin || sum.lo > 2 * margin || sum.hi < -2 * margin ||
+             difference.lo > 2 * margin || difference.hi < -2 * margin;
+    }
+  };
+  Reach reach_of(const Vec2* net) const {
+    Reach reach;
+    for (std::size_t i = 0; i < stride_; ++i) {
+      reach.lo = glm::min(reach.lo, net[i]);
+      reach.hi = glm::max(reach.hi, net[i]);
+      reach.sum.include(net[i].x + net[i].y);
+      reach.difference.include(net[i].x - net[i].y);
+    }
+    return reach;
+  }
+
   void visit() {
     const Window window = windows_.back();
     const Vec2* net = top();
     const double rounding = 8 * kEps * ray_.scale * largest_weight_;
-    Vec2 lo{kInf}, hi{-kInf};
-    double sum_lo = kInf, sum_hi = -kInf, difference_lo = kInf, difference_hi = -kInf;
-    for (std::size_t i = 0; i < stride_; ++i) {
-      lo = glm::min(lo, net[i]);
-      hi = glm::max(hi, net[i]);
-      sum_lo = std::min(sum_lo, net[i].x + net[i].y);
-      sum_hi = std::max(sum_hi, net[i].x + net[i].y);
-      difference_lo = std::min(difference_lo, net[i].x - net[i].y);
-      difference_hi = std::max(difference_hi, net[i].x - net[i].y);
-    }
-    const bool empty = lo.x > rounding || hi.x < -rounding || lo.y > rounding || hi.y < -rounding || sum_lo > 2 * rounding ||
-                       sum_hi < -2 * rounding || difference_lo > 2 * rounding || difference_hi < -2 * rounding;
-    if (empty || misses_across(net, rounding)) {
-      windows_.pop_back();
+    const Reach reach = reach_of(net);
+    if (reach.misses(rounding) || misses_across(net, rounding)) {
+      if (!passed_ || reach.misses(rounding + passed_->within) || misses_across(net, rounding + passed_->within) || !pass(net, window))
+        windows_.pop_back();
       return;
     }
+    const Vec2 &lo = reach.lo, &hi = reach.hi;
     const bool at_rounding = std::max(std::max(-lo.x, hi.x), std::max(-lo.y, hi.y)) <= 2 * rounding;
     if (at_rounding || std::max(window.half.x, window.half.y) < 1e-15) {
       add_touching(window);
@@ -242,8 +256,19 @@ class Subdivision {
     return {inverse, Vec2(1.0), std::max(M.a + M.b, M.c + M.d)};
   }
 
-  // True if the window holds no root, or one that has been found. Else `direction` is the one to split.
-  bool certified(const Vec2* net, const Window& window, int& direction) {
+  // The linear model of the equations, its columns, how far their derivatives stray from it, and in which direction they are longer.
+  struct Slopes {
+    Vec2 s, t, stray_s, stray_t;
+    int longer;
+
+    // M = |J0^-1| E; below one, its largest eigenvalue proves the map one-to-one.
+    Mat2 strays(const Mat2& inverse) const {
+      const auto entry = [](double x, double y, const Vec2& stray) { return std::abs(x) * stray.x + std::abs(y) * stray.y; };
+      return {entry(inverse.a, inverse.b, stray_s), entry(inverse.a, inverse.b, stray_t), entry(inverse.c, inverse.d, stray_s),
+              entry(inverse.c, inverse.d, stray_t)};
+    }
+  };
+  Slopes slopes_of(const Vec2* net, const Window& window) const {
     const int pu = patch_.pu, pv = patch_.pv;
     Vec2 slo{kInf}, shi{-kInf}, tlo{kInf}, thi{-kInf};
     for (int i = 0; i <= pu; ++i)
@@ -260,19 +285,38 @@ class Subdivision {
           thi = glm::max(thi, d);
         }
       }
-    const Vec2 s = 0.5 * (slo + shi), t = 0.5 * (tlo + thi), es = 0.5 * (shi - slo), et = 0.5 * (thi - tlo);
     const auto largest = [](const Vec2& a, const Vec2& b) {
       return std::max(std::max(std::abs(a.x), std::abs(b.x)), std::max(std::abs(a.y), std::abs(b.y)));
     };
-    direction = largest(slo, shi) >= largest(tlo, thi) ? 0 : 1;
-    if (window.half[direction] < 1e-15) direction = 1 - direction;
+    int longer = largest(slo, shi) >= largest(tlo, thi) ? 0 : 1;
+    if (window.half[longer] < 1e-15) longer = 1 - longer;
+    return {0.5 * (slo + shi), 0.5 * (tlo + thi), 0.5 * (shi - slo), 0.5 * (thi - tlo), longer};
+  }
+  static double largest_eigenvalue(const Mat2& M) { return 0.5 * (M.a + M.d) + std::sqrt(0.25 * (M.a - M.d) * (M.a - M.d) + M.b * M.c); }
+
+  // A window that the ray misses, but not by as much as asked for. False: it has no fold. Where it is nearly flat its middle is told.
+  bool pass(const Vec2* net, const Window& window) {
+    const Slopes slopes = slopes_of(net, window);
     Mat2 inverse;
-    if (!invert({s.x, t.x, s.y, t.y}, inverse)) return false;
-    // M = |J0^-1| E; below one, its largest eigenvalue proves the map one-to-one.
-    const Mat2 M{std::abs(inverse.a) * es.x + std::abs(inverse.b) * es.y, std::abs(inverse.a) * et.x + std::abs(inverse.b) * et.y,
-                 std::abs(inverse.c) * es.x + std::abs(inverse.d) * es.y, std::abs(inverse.c) * et.x + std::abs(inverse.d) * et.y};
-    const double half_trace = 0.5 * (M.a + M.d);
-    const double contraction = half_trace + std::sqrt(0.25 * (M.a - M.d) * (M.a - M.d) + M.b * M.c);
+    if (invert({slopes.s.x, slopes.t.x, slopes.s.y, slopes.t.y}, inverse) && largest_eigenvalue(slopes.strays(inverse)) < kCertified)
+      return false;
+    const Vec2 bend = slopes.stray_s + slopes.stray_t;
+    if (std::max(bend.x, bend.y) <= passed_->within || std::max(window.half.x, window.half.y) < kSmallestPassed) {
+      passed_->at.push_back(window.middle);
+      return false;
+    }
+    split(window, slopes.longer);
+    return true;
+  }
+
+  // True if the window holds no root, or one that has been found. Else `direction` is the one to split.
+  bool certified(const Vec2* net, const Window& window, int& direction) {
+    const Slopes slopes = slopes_of(net, window);
+    direction = slopes.longer;
+    Mat2 inverse;
+    if (!invert({slopes.s.x, slopes.t.x, slopes.s.y, slopes.t.y}, inverse)) return false;
+    const Mat2 M = slopes.strays(inverse);
+    const double contraction = largest_eigenvalue(M);
     if (!(contraction < kCertified)) return false;
     const Vec2 kappa{M.a + M.b, M.c + M.d};
     const Vec2 border = kBorder + 16 * kEps * ray_.scale * largest_weight_ * row_lengths(inverse);
@@ -335,6 +379,7 @@ class Subdivision {
   const LocalRay& ray_;
   SolverStats& stats_;
   std::vector<Root>& roots_;
+  PassedFolds* passed_;  // or null
   std::size_t stride_, first_root_;
   double largest_weight_ = 0;
   static thread_local std::vector<Vec2> nets_;
@@ -346,9 +391,10 @@ thread_local std::vector<Window> Subdivision::windows_;
 
 }  // namespace
 
-void roots_in_window(const BezierPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots) {
+void roots_in_window(const BezierPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots,
+                     PassedFolds* passed) {
   ++stats.fallbacks;
-  Subdivision(patch, ray, stats, roots).run(window);
+  Subdivision(patch, ray, stats, roots, passed).run(window);
 }
 
 }  // namespace iso

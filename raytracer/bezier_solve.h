@@ -19,7 +19,16 @@ struct Root {
   std::uint16_t steps = 0;
 };
 
-// Appends the roots in the window (and within rounding of its border), in no order, whatever their t.
-void roots_in_window(const BezierPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots);
+// Where a ray misses a patch by less than `within` beside a fold, as the ray sees it: what the patch stands for may be met there, twice.
+// Places near them, of the patch's unit square; one fold may have several.
+struct PassedFolds {
+  double within = 0;
+  std::vector<Vec2> at;
+};
+
+// Appends the roots in the window (and within rounding of its border), in no order, whatever their t; and what is passed, where that is
+// asked for.
+void roots_in_window(const BezierPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots,
+                     PassedFolds* passed = nullptr);
 
 }  // namespace iso

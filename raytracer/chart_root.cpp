@@ -7,6 +7,8 @@ namespace {
 constexpr int kMostSteps = 12;
 // Of the way from the spline to the chart: where a root cannot be followed so far, the ray touches.
 constexpr double kShortest = 1e-3;
+// Of the chart: so far from the fold roots are looked for, and so near a fold is told.
+constexpr double kMostFromFold = 0.1, kFoldStep = 1e-9;
 
 Tangents spline_at(const PatchChart& chart, const Vec2& st) {
   const Jet2 jet = jet2(*chart.near, st);
@@ -65,6 +67,38 @@ bool moves_to(const PatchChart& chart, const LocalRay& ray, double share, bool t
   return false;
 }
 
+// Where the Jacobian of the plane equations is singular and the ray passes straight beside: all that the ray sees of the tangents lies in
+// one direction, in which the equations vanish. Across it they are `miss`, and move by `bend` times the square of a way `along`, the
+// direction of (s, t) that the ray does not see.
+struct Fold {
+  Vec2 st, along;
+  double miss, bend;
+};
+// Newton on both conditions.
+std::optional<Fold> fold_near(const PatchChart& chart, const LocalRay& ray, Vec2 st) {
+  for (int k = 0; k < kMostSteps; ++k) {
+    const Jet2 jet = jet_of(chart, st);
+    const auto seen = [&](const Vec3& v) { return Vec2(glm::dot(ray.n1, v), glm::dot(ray.n2, v)); };
+    const Vec2 F = seen(jet.S) - Vec2(ray.d1, ray.d2), Fs = seen(jet.Su), Ft = seen(jet.Sv), Fss = seen(jet.Suu), Fst = seen(jet.Suv),
+               Ftt = seen(jet.Svv);
+    const Vec2 longer = glm::length(Fs) >= glm::length(Ft) ? Fs : Ft;
+    const auto cross = [](const Vec2& a, const Vec2& b) { return a.x * b.y - a.y * b.x; };
+    if (!(glm::length(longer) > 0)) return {};
+    const Vec2 m = glm::normalize(longer), across{-m.y, m.x}, row{glm::dot(m, Fs), glm::dot(m, Ft)};
+    const Vec2 by{cross(Fss, Ft) + cross(Fs, Fst), cross(Fst, Ft) + cross(Fs, Ftt)};  // of the determinant
+    const Vec2 G{glm::dot(m, F), cross(Fs, Ft)}, step = Vec2(row.y * G.y - by.y * G.x, by.x * G.x - row.x * G.y) / cross(row, by);
+    if (!finite(step)) return {};
+    if (std::max(std::abs(step.x), std::abs(step.y)) < kFoldStep) {
+      const Vec2 along = glm::normalize(Vec2(-row.y, row.x));
+      const Vec2 second = along.x * along.x * Fss + 2 * along.x * along.y * Fst + along.y * along.y * Ftt;
+      return Fold{st, along, glm::dot(across, F), 0.5 * glm::dot(across, second)};
+    }
+    st += step;
+    if (!Box2{Vec2(-kBeyondChart), Vec2(1 + kBeyondChart)}.contains(st)) return {};
+  }
+  return {};
+}
+
 }  // namespace
 
 const PatchChart* blended_chart(const AnySurface& surface) {
@@ -88,6 +122,20 @@ ChartRoot root_on_chart(const PatchChart& chart, const LocalRay& ray, const Vec2
     }
   }
   return root;
+}
+
+std::optional<std::array<ChartRoot, 2>> roots_at_fold(const PatchChart& chart, const LocalRay& ray, const Vec2& near) {
+  const std::optional<Fold> fold = fold_near(chart, ray, near);
+  if (!fold || !(fold->miss * fold->bend < 0)) return {};
+  const double away = std::sqrt(-fold->miss / fold->bend);
+  if (!(away < kMostFromFold)) return {};
+  std::array<ChartRoot, 2> roots;
+  for (const int k : {0, 1}) {
+    roots[k].st = fold->st + (k == 0 ? away : -away) * fold->along;
+    const bool turned = equations(ray, tangents_of(chart, roots[k].st)).determinant < 0;
+    if (!moves_to(chart, ray, 1, turned, roots[k])) return {};
+  }
+  return roots;
 }
 
 }  // namespace iso

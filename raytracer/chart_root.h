@@ -4,8 +4,12 @@
 // meet it, by the chart. A root keeps its sense on the way: what enters the spline enters the chart. Where the surface folds, a ray may
 // meet the two in different numbers of roots, and Newton may take a root of the one to the wrong root of the other. So its steps must
 // shrink at once and the ray must see the same side all the way; otherwise the root is followed through the surfaces between the two, (1 -
-// x) spline + x chart, none of which is farther from the chart than the spline is. It arrives, or the ray touches one of them.
+// x) spline + x chart, none of which is farther from the chart than the spline is. It arrives, or the ray touches one of them. And where
+// the ray misses the spline beside a fold by less than that distance, the chart's own fold is looked for there.
 #pragma once
+
+#include <array>
+#include <optional>
 
 #include "patches/surface/surface.h"
 #include "raytracer/leaf_kernel.h"
@@ -25,6 +29,9 @@ struct ChartRoot {
 
 // From a root of the spline.
 ChartRoot root_on_chart(const PatchChart& chart, const LocalRay& ray, const Vec2& start);
+
+// Where the ray passes the spline beside a fold by no more than the chart is away: the two roots of the chart there, if it has them.
+std::optional<std::array<ChartRoot, 2>> roots_at_fold(const PatchChart& chart, const LocalRay& ray, const Vec2& near);
 
 // A polynomial piece of the spline: powers about the middle of its unit square, as PartGeometry::powers, and where on the chart it lies.
 struct SplinePiece {

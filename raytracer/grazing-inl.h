@@ -27,12 +27,12 @@ struct GrazedWindow {
 
 // What the plane equations may do over a window beside their linear model.
 struct WindowBounds {
-  double bend;              // |f - linear model| over the window
+  double bend;              // |f - linear model| over the window, of the leaf and of what it stands for
   double stray_a, stray_b;  // of the derivatives, kCellMargin beyond it; in the window's own parameters
 };
 HWY_INLINE WindowBounds bounds_of(const LeafCurls& curls, const GrazedWindow& w) {
   const double aa = curls.aa * w.half_a * w.half_a, ab = curls.ab * w.half_a * w.half_b, bb = curls.bb * w.half_b * w.half_b;
-  return {0.5 * (aa + bb) + ab, kCellMargin * (aa + ab), kCellMargin * (ab + bb)};
+  return {0.5 * (aa + bb) + ab + curls.apart, kCellMargin * (aa + ab), kCellMargin * (ab + bb)};
 }
 
 // Eight parts of a window: halved three times, each time where the strays are larger.

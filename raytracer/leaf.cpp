@@ -21,14 +21,14 @@ constexpr int kMostPower = 12;
 // Roots this near to the border of a leaf are decided by subdivision (leaf_kernel.h); rounding must move them less.
 constexpr double kMostRoundingOfRoot = 1e-8;
 
-Leaf make_leaf(const FaceCell& cell, std::uint32_t patch, bool has_powers, double part_size) {
+Leaf make_leaf(const FaceCell& cell, std::uint32_t patch, bool has_powers, double part_size, double apart) {
   Leaf leaf{};
   double largest_row = 0, height = 0;
   float* rows[] = {leaf.a, leaf.b, leaf.h};
   for (int k = 0; k < 3; ++k) {
     const Vec3& row = cell.slab.row[k];
     const Range reach = cell.slab.reach[k];
-    const double length = glm::length(row), half = 0.5 * reach.width() + 2 * kBoxInflation * part_size * length;
+    const double length = glm::length(row), half = 0.5 * reach.width() + (2 * kBoxInflation * part_size + apart) * length;
     for (int c = 0; c < 3; ++c) rows[k][c] = static_cast<float>(row[c] / half);
     rows[k][3] = static_cast<float>((-glm::dot(row, cell.centre) - reach.middle()) / half);
     if (k < 2)
@@ -146,6 +146,8 @@ bool add_analytic(PartGeometry& geometry, std::uint32_t index, const Face& face,
 void add_patches(PartGeometry& geometry, std::uint32_t index, const Face& face, const TrimRegion& trim, double part_size) {
   CellPolicy policy;
   policy.small = 1e-3 * part_size;
+  const auto* chart = std::get_if<PatchChart>(&face.surface);
+  const double apart = chart ? chart->error : 0;
   std::vector<FaceCell> cells;
   for (BezierPiece& piece : bezier_pieces(face.surface, trim.grown(face.domain))) {
     const std::uint32_t patch = static_cast<std::uint32_t>(geometry.patches.size());
@@ -154,9 +156,10 @@ void add_patches(PartGeometry& geometry, std::uint32_t index, const Face& face, 
     if (cells.empty()) continue;
     const bool has_powers = std::max(piece.patch.pu, piece.patch.pv) <= kMostPower;
     for (const FaceCell& cell : cells) {
-      geometry.leaves.push_back(make_leaf(cell, patch, has_powers, part_size));
-      const Vec3 curls = 1.000001 * cell.curls;
-      geometry.curls.push_back({static_cast<float>(curls.x), static_cast<float>(curls.y), static_cast<float>(curls.z)});
+      geometry.leaves.push_back(make_leaf(cell, patch, has_powers, part_size, apart));
+      const Vec4 curls = 1.000001 * Vec4(cell.curls, apart);
+      geometry.curls.push_back(
+          {static_cast<float>(curls.x), static_cast<float>(curls.y), static_cast<float>(curls.z), static_cast<float>(curls.w)});
       geometry.leaf_boxes.push_back(cell.box);
     }
     geometry.patches.push_back({std::move(piece), index});
@@ -229,7 +232,10 @@ PartGeometry make_geometry(const Part& part) {
   tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t i) { faces[i] = geometry_of_face(part, static_cast<std::uint32_t>(i)); });
   for (PartGeometry& face : faces) append(geometry, std::move(face));
   ISO_CHECK(geometry.powers.size() < LeafPatch::kNoPowers && geometry.leaves.size() <= 0x7fffffffu);  // what their indices hold
-  for (const Box3& box : geometry.leaf_boxes) geometry.box.include(box);
+  for (std::size_t k = 0; k < geometry.leaf_boxes.size(); ++k) {
+    geometry.leaf_boxes[k] = geometry.leaf_boxes[k].inflated(geometry.curls[k].apart);
+    geometry.box.include(geometry.leaf_boxes[k]);
+  }
   for (const AnalyticFace& face : geometry.analytic) geometry.box.include(face.box);
   geometry.size = geometry.box.diagonal();
   for (Box3& box : geometry.leaf_boxes) box = box.inflated(kBoxInflation * geometry.size);

@@ -26,9 +26,10 @@ struct Leaf {
 };
 static_assert(sizeof(Leaf) == 64);
 
-// FaceCell::curls of a leaf, rounded up; asked for grazing rays only.
+// FaceCell::curls of a leaf, and how far the surface that it stands for may be from it (PatchChart::error), rounded up; asked for grazing
+// rays only.
 struct LeafCurls {
-  float aa, ab, bb;
+  float aa, ab, bb, apart;
 };
 
 inline constexpr double kLeafGrid = 4096;  // leaves lie on a dyadic grid of 2^12

@@ -146,6 +146,9 @@ LaneMask meet_analytic(Packet& packet, LaneMask lanes, const PartGeometry& geome
 
 namespace {
 
+// Of a chart: neighbours overlap by this, so that a root on their border is met.
+constexpr double kBorder = 1e-9;
+
 // Offers the roots of one leaf to the lanes of a packet.
 class Offers final : public RootSink {
  public:
@@ -173,11 +176,14 @@ class Offers final : public RootSink {
 
   void undecided(LaneMask lanes, const Window& window) override {
     thread_local std::vector<Root> roots;
+    thread_local PassedFolds passed;
     thread_local BezierPatch net;
     bernstein_form(geometry_, patch_, net);
+    passed.within = chart_ ? chart_->error : 0;
     for_each_lane(lanes, [&](int lane) {
       roots.clear();
-      roots_in_window(net, window, packet_.local.ray(lane), *packet_.stats, roots);
+      passed.at.clear();
+      roots_in_window(net, window, packet_.local.ray(lane), *packet_.stats, roots, chart_ ? &passed : nullptr);
       for (const Root& root : roots) {
         const UV uv = patch_.piece.to_native(root.st);
         if (chart_)
@@ -185,6 +191,7 @@ class Offers final : public RootSink {
         else
           propose(lane, uv, root.t, root.status, root.steps);
       }
+      for (const Vec2& at : passed.at) propose_at_fold(lane, patch_.piece.to_native(at));
     });
   }
 
@@ -210,6 +217,16 @@ class Offers final : public RootSink {
     const ChartRoot root = root_on_chart(*chart_, packet_.local.ray(lane), near);
     packet_.stats->newton_steps += root.steps;
     propose(lane, root.st, root.t, root.met ? status : HitStatus::tangent, steps + root.steps);
+  }
+
+  // What the spline does not have. A pair that is met from several windows is one, once hits are sorted.
+  void propose_at_fold(int lane, const UV& near) {
+    const auto roots = roots_at_fold(*chart_, packet_.local.ray(lane), near);
+    if (!roots) return;
+    for (const ChartRoot& root : *roots) {
+      packet_.stats->newton_steps += root.steps;
+      if (Box2{Vec2(-kBorder), Vec2(1 + kBorder)}.contains(root.st)) propose(lane, root.st, root.t, HitStatus::fallback, root.steps);
+    }
   }
 
   void propose(int lane, const UV& uv, double t, HitStatus status, unsigned steps) {
