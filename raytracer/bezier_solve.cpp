@@ -12,8 +12,6 @@ namespace {
 constexpr double kCertified = 0.6;
 constexpr int kMostNewtonSteps = 16;
 constexpr int kMostCells = 20000;
-// A root may lie beyond the border of its leaf by this share of the leaf: neighbours overlap, duplicates are removed by whoever counts.
-constexpr double kBorder = 1e-9;
 // Of the patch: folds are told no more exactly.
 constexpr double kSmallestPassed = 0x1p-20;
 // Where rounding alone could move a root by more than this share of its window, the Jacobian is too near singular for Newton to decide.
@@ -79,8 +77,8 @@ Vec2 nearest_on_border(const Vec2& ab, const Mat2& J) {
 enum class NewtonEnd { converged, left_window, failed };
 
 // Newton from ab on the true polynomials. Converged: residual at rounding level, or the last step so small that the next would vanish.
-NewtonEnd newton(const BezierPatch& patch, const LocalRay& ray, const Window& window, Vec2 ab, const Vec2& border, SolverStats& stats,
-                 Root& root) {
+NewtonEnd newton(const BezierPatch& patch, const LocalRay& ray, const Window& window, Vec2 ab, double overlap, const Vec2& border,
+                 SolverStats& stats, Root& root) {
   const double rounding = 4 * kEps * ray.scale;
   double last_step = kInf;
   for (int step = 1; step <= kMostNewtonSteps; ++step) {
@@ -99,7 +97,7 @@ NewtonEnd newton(const BezierPatch& patch, const LocalRay& ray, const Window& wi
       ab += move;
       const Vec4 h = p.jet.H + window.half.x * move.x * p.jet.Hs + window.half.y * move.y * p.jet.Ht;
       root = {window.to_unit(ab), ray.t_of(project(h)), HitStatus::fallback, static_cast<std::uint16_t>(step)};
-      if (std::max(std::abs(ab.x), std::abs(ab.y)) <= 1 + kBorder) return NewtonEnd::converged;
+      if (std::max(std::abs(ab.x), std::abs(ab.y)) <= 1 + overlap) return NewtonEnd::converged;
       if (std::abs(ab.x) > 1 + border.x || std::abs(ab.y) > 1 + border.y) return NewtonEnd::left_window;
       // Beyond the border by what rounding may do: it is a root of the window if the border itself meets the ray to rounding.
       const Vec2 held = window.to_unit(nearest_on_border(ab, J));
@@ -140,8 +138,16 @@ bool proves_empty(const BezierPatch& patch, const LocalRay& ray, const Window& w
 // The coefficients of (f, g) over a window: a tensor-product Bernstein net of 2-vectors on a shared stack.
 class Subdivision {
  public:
-  Subdivision(const BezierPatch& patch, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots, PassedFolds* passed)
-      : patch_(patch), ray_(ray), stats_(stats), roots_(roots), passed_(passed), stride_(patch_.net.size()), first_root_(roots.size()) {}
+  Subdivision(const BezierPatch& patch, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots, double overlap,
+              PassedFolds* passed)
+      : patch_(patch),
+        ray_(ray),
+        stats_(stats),
+        roots_(roots),
+        overlap_(overlap),
+        passed_(passed),
+        stride_(patch_.net.size()),
+        first_root_(roots.size()) {}
 
   void run(const Window& leaf) {
     nets_.resize(stride_);
@@ -319,13 +325,13 @@ class Subdivision {
     const double contraction = largest_eigenvalue(M);
     if (!(contraction < kCertified)) return false;
     const Vec2 kappa{M.a + M.b, M.c + M.d};
-    const Vec2 border = kBorder + 16 * kEps * ray_.scale * largest_weight_ * row_lengths(inverse);
+    const Vec2 border = overlap_ + 16 * kEps * ray_.scale * largest_weight_ * row_lengths(inverse);
     if (std::max(border.x, border.y) > kDoubtfulBorder) return false;
     const PlaneJet middle = plane_jet(patch_, ray_, window.middle);
     const Vec2 linear = -inverse.times(middle.jet.H.w * middle.F);
     if (std::abs(linear.x) > (1 + border.x) * (1 + kappa.x) || std::abs(linear.y) > (1 + border.y) * (1 + kappa.y)) return true;
     Root root;
-    const NewtonEnd end = newton(patch_, ray_, window, linear, border, stats_, root);
+    const NewtonEnd end = newton(patch_, ray_, window, linear, overlap_, border, stats_, root);
     if (end == NewtonEnd::failed) return false;
     if (end == NewtonEnd::left_window) return proves_empty(patch_, ray_, window, certificate_of(M, inverse, contraction), root.st, border);
     add(root);
@@ -379,6 +385,7 @@ class Subdivision {
   const LocalRay& ray_;
   SolverStats& stats_;
   std::vector<Root>& roots_;
+  double overlap_;
   PassedFolds* passed_;  // or null
   std::size_t stride_, first_root_;
   double largest_weight_ = 0;
@@ -392,9 +399,9 @@ thread_local std::vector<Window> Subdivision::windows_;
 }  // namespace
 
 void roots_in_window(const BezierPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots,
-                     PassedFolds* passed) {
+                     double overlap, PassedFolds* passed) {
   ++stats.fallbacks;
-  Subdivision(patch, ray, stats, roots, passed).run(window);
+  Subdivision(patch, ray, stats, roots, overlap, passed).run(window);
 }
 
 }  // namespace iso

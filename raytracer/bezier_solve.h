@@ -26,9 +26,13 @@ struct PassedFolds {
   std::vector<Vec2> at;
 };
 
+// A root may lie beyond the border of its window by this share of the window: what is met twice is removed by whoever counts, and
+// neighbours that are a little apart are closed. Neighbours that share their border bit for bit need no more than rounding.
+inline constexpr double kOverlap = 1e-9, kOverlapOfShared = 1e-12;
+
 // Appends the roots in the window (and within rounding of its border), in no order, whatever their t; and what is passed, where that is
 // asked for.
 void roots_in_window(const BezierPatch& patch, const Window& window, const LocalRay& ray, SolverStats& stats, std::vector<Root>& roots,
-                     PassedFolds* passed = nullptr);
+                     double overlap = kOverlap, PassedFolds* passed = nullptr);
 
 }  // namespace iso

@@ -146,9 +146,6 @@ LaneMask meet_analytic(Packet& packet, LaneMask lanes, const PartGeometry& geome
 
 namespace {
 
-// Of a chart: neighbours overlap by this, so that a root on their border is met.
-constexpr double kBorder = 1e-9;
-
 // Offers the roots of one leaf to the lanes of a packet.
 class Offers final : public RootSink {
  public:
@@ -183,7 +180,8 @@ class Offers final : public RootSink {
     for_each_lane(lanes, [&](int lane) {
       roots.clear();
       passed.at.clear();
-      roots_in_window(net, window, packet_.local.ray(lane), *packet_.stats, roots, chart_ ? &passed : nullptr);
+      roots_in_window(net, window, packet_.local.ray(lane), *packet_.stats, roots, chart_ ? kOverlapOfShared : kOverlap,
+                      chart_ ? &passed : nullptr);
       for (const Root& root : roots) {
         const UV uv = patch_.piece.to_native(root.st);
         if (chart_)
@@ -225,7 +223,8 @@ class Offers final : public RootSink {
     if (!roots) return;
     for (const ChartRoot& root : *roots) {
       packet_.stats->newton_steps += root.steps;
-      if (Box2{Vec2(-kBorder), Vec2(1 + kBorder)}.contains(root.st)) propose(lane, root.st, root.t, HitStatus::fallback, root.steps);
+      if (Box2{Vec2(-kOverlapOfShared), Vec2(1 + kOverlapOfShared)}.contains(root.st))
+        propose(lane, root.st, root.t, HitStatus::fallback, root.steps);
     }
   }
 

@@ -233,8 +233,9 @@ class Subject {
   }
 
   // A place of a chart: its corner, the patch's centre, a border of the patch or between charts, a line of the spline's cells.
-  static Vec2 special_place(Random& random) {
-    static constexpr double kLines[] = {0, 1, 1.0 / 24, 1.0 / 12, 1.0 / 6, 1.0 / 3, 0.5, 0.75};
+  static Vec2 special_place(const Face& face, Random& random) {
+    const std::vector<double>& lines = std::get<PatchChart>(face.surface).near->knots_u;
+    const auto line = [&] { return lines[random() % lines.size()]; };
     Vec2 st = point_in(random, {Vec2(0.0), Vec2(1.0)});
     const int c = whole(random, 0, 1);
     switch (whole(random, 0, 7)) {
@@ -253,8 +254,8 @@ class Subject {
         // Beside the corner, as near as rounding.
         return std::pow(10.0, between(random, -16, -2)) * st;
       default:
-        st[c] = kLines[whole(random, 0, 7)];
-        if (whole(random, 0, 1)) st[1 - c] = kLines[whole(random, 0, 7)];
+        st[c] = line();
+        if (whole(random, 0, 1)) st[1 - c] = line();
         return st;
     }
   }
@@ -265,7 +266,7 @@ class Subject {
     std::vector<double> targets, reach;
     while (open.size() < kChunk) {
       const Face& face = faces()[random() % faces().size()];
-      const Vec2 st = special_place(random);
+      const Vec2 st = special_place(face, random);
       const Vec3 n = unit_normal(face.surface, st, face.domain), p = placed().to_world.point(point(face.surface, st));
       if (!finite(n) || n == Vec3(0.0)) {
         ++f.without_normal;
@@ -306,7 +307,7 @@ class Subject {
     std::vector<Ray> rays;
     for (std::uint64_t i = 0; i < kChunk; ++i) {
       const Face& face = faces()[random() % faces().size()];
-      const Vec2 st = whole(random, 0, 1) ? special_place(random) : point_in(random, {Vec2(0.0), Vec2(1.0)});
+      const Vec2 st = whole(random, 0, 1) ? special_place(face, random) : point_in(random, {Vec2(0.0), Vec2(1.0)});
       const Vec3 p = placed().to_world.point(point(face.surface, st)), d = random_direction(random);
       rays.push_back({p - 2 * size_ * d, d});
     }
