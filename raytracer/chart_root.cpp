@@ -130,11 +130,13 @@ std::optional<std::array<ChartRoot, 2>> roots_at_fold(const PatchChart& chart, c
   const double away = std::sqrt(-fold->miss / fold->bend);
   if (!(away < kMostFromFold)) return {};
   std::array<ChartRoot, 2> roots;
+  std::array<bool, 2> turned;
   for (const int k : {0, 1}) {
     roots[k].st = fold->st + (k == 0 ? away : -away) * fold->along;
-    const bool turned = equations(ray, tangents_of(chart, roots[k].st)).determinant < 0;
-    if (!moves_to(chart, ray, 1, turned, roots[k])) return {};
+    turned[k] = equations(ray, tangents_of(chart, roots[k].st)).determinant < 0;
+    if (!moves_to(chart, ray, 1, turned[k], roots[k])) return {};
   }
+  if (turned[0] == turned[1]) return {};
   return roots;
 }
 

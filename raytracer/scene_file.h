@@ -20,6 +20,7 @@ struct ModelEntry {
   Affine3 to_world;
   std::optional<Colour> colour;
   std::optional<MeshPatches> patches;  // of the polygons of a control mesh
+  bool polygons_needed = true;         // ReadOptions::polygons_needed
 };
 
 // A camera is placed by points, or frames the models from a named view.

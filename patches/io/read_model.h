@@ -12,6 +12,7 @@ namespace iso {
 
 struct ReadOptions {
   std::optional<MeshPatches> patches;  // of the polygons of a control mesh (OBJ); none: they are left out
+  bool polygons_needed = true;         // an OBJ file that has none is an error where `patches` asks for them
 };
 
 // STEP, IGES, BREP (Open CASCADE), OBJ (free-form surfaces, and control meshes where `patches` asks for them), Newell .bpt, and patches

@@ -63,10 +63,10 @@ class ObjBuilder {
   }
 
   void refuse_without_polygons() const {
-    if (options_.patches && file_.polygons.empty())
+    if (options_.patches && options_.polygons_needed && file_.polygons.empty())
       fail(path_, file_.surfaces.front().line,
            "patches are made of control meshes (--patches), expected polygons (f), found " + std::to_string(file_.surfaces.size()) +
-               " free-form surfaces (surf) alone; they need no such option");
+               " free-form surface(s) (surf) alone; they need no such option");
   }
 
   // The patches of the control mesh, if they are wanted.

@@ -12,7 +12,7 @@ namespace iso {
 
 namespace {
 
-constexpr int kDegree = 5;
+constexpr int kDegree = kSplineDegree;
 
 // Where the cells of level 0 meet. Toward the corner the blend of two sides changes by the direction alone, whatever the distance: cells
 // shrink there. Found by search, for regular patches on a sphere with up to eight sides: few cells, with a proven distance below 3e-5 of
@@ -33,12 +33,14 @@ std::span<const double> first_nodes(const PatchBasis& basis) {
       if (basis.sides == 3) return kCharrotTriangle;
       return kCharrotGregory;
     default:
-      if (basis.sides < 4 || basis.sides > 6) return kOfOtherSides;
+      // A quintic reproduces boundary curves up to degree 5. Of higher ones neighbours share what their nodes make of them, so all have the
+      // same nodes.
+      if (basis.sides < 4 || basis.sides > 6 || basis.degree > kDegree) return kOfOtherSides;
       return kGeneralised;
   }
 }
 
-// The first cell of a fine corner: 64 times smaller than at first.
+// The first cell of a fine corner.
 constexpr double kFineCell = 1.0 / 24 / 64;
 
 std::vector<double> nodes_of(const PatchBasis& basis, const SplineGrid& grid) {

@@ -23,7 +23,7 @@ struct SplineGrid {
 
   bool operator==(const SplineGrid&) const = default;
 };
-inline constexpr int kSplineLevels = 4;
+inline constexpr int kSplineLevels = 4, kSplineDegree = 5;
 
 // First derivatives at one place, per control point: the weights', and those of their splines.
 struct SampledSlopes {

@@ -149,6 +149,8 @@ std::vector<T> taken(const std::vector<T>& from, const std::vector<int>& places)
 // One grid for all charts of a patch: along the border of two of them their splines are the same curve only where they have the same
 // nodes. What lies between two curves no ray would meet, or meet twice.
 SplineGrid grid_of_patch(const PatchChart& chart, const std::vector<int>& turn, double size, double most) {
+  // The same for all patches, since neighbours share what it makes of a border curve that no quintic reproduces.
+  if (chart.basis.degree > kSplineDegree) return {.level = 1};
   std::vector<std::vector<Vec3>> corners{chart.points};
   while (corners.size() < static_cast<std::size_t>(chart.basis.sides)) corners.push_back(taken(corners.back(), turn));
   SplineGrid grid;

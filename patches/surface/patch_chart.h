@@ -36,7 +36,7 @@ struct PatchChart {
 // The chart of a corner, 0 <= corner < sides.
 PatchChart chart_of(const NSidedPatch& patch, int corner);
 
-// A spline beside a chart at most this far from it, if there is one: the coarsest, or the finest that is made.
+// A spline beside a chart at most this far from it, if there is one: its own, the coarsest that will do, or the finest that is made.
 struct ChartSpline {
   std::shared_ptr<const NurbsSurface> near;
   double error = 0;

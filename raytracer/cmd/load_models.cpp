@@ -38,7 +38,7 @@ Result<LoadedModels> load_models(const std::vector<ModelEntry>& models, const st
   for (const ModelEntry& entry : models) {
     auto& model = read[{entry.file, entry.patches}];
     if (!model) {
-      auto result = read_model(entry.file, {entry.patches});
+      auto result = read_model(entry.file, {entry.patches, entry.polygons_needed});
       if (!result) return result.error();
       model = std::make_shared<const Model>(std::move(*result));
       note_problems(*model, loaded.notes);

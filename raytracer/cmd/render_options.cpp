@@ -204,6 +204,7 @@ Result<SceneEntry> scene_for(const RenderOptions& options) {
     bool used = false;
     for (ModelEntry& entry : scene.models)
       if (options.patches.name && has_ending(entry.file, ".obj")) {
+        entry.polygons_needed = entry.patches.has_value();  // others may hold surfaces alone
         entry.patches = options.patches.kind();
         used = true;
       }

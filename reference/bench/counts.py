@@ -39,7 +39,7 @@ def counts_of(program, scene, rays, side, tolerance):
                               "--toggle-collect=iso::bench::collected*", f"--callgrind-out-file={out}", program, scene, rays,
                               "--once", side, "--tolerance", tolerance], capture_output=True, text=True, check=True)
         count = int(re.search(r"(\d+) rays", run.stdout).group(1))
-        listed = subprocess.run(["callgrind_annotate", "--threshold=100", "--show=Ir,Dr,Dw,D1mr,D1mw,DLmr,DLmw", "--show-percs=no", out],
+        listed = subprocess.run(["callgrind_annotate", "--auto=no", "--threshold=100", "--show=Ir,Dr,Dw,D1mr,D1mw,DLmr,DLmw", "--show-percs=no", out],
                                 capture_output=True, text=True, check=True).stdout
     number = r"\s*([\d,.]+)"
     sums, groups = [0] * 7, {name: 0 for name, _ in GROUPS}
@@ -63,6 +63,8 @@ def row(program, scene, rays, side, tolerance):
 
 
 def main():
+    if len(sys.argv) not in (2, 6):
+        sys.exit(__doc__)
     program, cases = sys.argv[1], [tuple(sys.argv[2:6])] if len(sys.argv) > 2 else CASES
     titles = ["scene", "rays", "side", "instructions", "loads and stores", "L1 misses", "L2 misses"] + [name + " %" for name, _ in GROUPS]
     print("| " + " | ".join(titles) + " |\n|" + "---|" * len(titles))

@@ -7,6 +7,7 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 
@@ -158,7 +159,10 @@ int run(int argc, char** argv) {
                      ->check(CLI::Range(1, 1000));
   auto* count = app.add_option("--rays", options.rays, fmt::format("primary rays [{}]", options.rays))->check(CLI::Range(16, 1 << 26));
   std::string side;
-  auto* once = app.add_option("--once", side, "trace the rays NAME of the scene NAME once, for a profiler: direct, MEDIUM, HIGH or GRID");
+  auto* once = app.add_option("--once", side,
+                              "trace the rays NAME (primary, bounce, room, scattered or occlusion) of the scene NAME once, for a profiler: "
+                              "direct, MEDIUM, HIGH or GRID; "
+                              "65536 primary rays and a tolerance of 1e-4 if not told otherwise");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

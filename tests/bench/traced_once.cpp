@@ -1,5 +1,6 @@
 #include "tests/bench/traced_once.h"
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 

@@ -1,6 +1,10 @@
 // One set of rays, traced once: for profilers that count instructions and cache misses (reference/bench/counts.py).
 #pragma once
 
+#include <cstddef>
+#include <string>
+
+#include "patches/base/result.h"
 #include "tests/bench/embree_triangles.h"
 #include "tests/bench/scenes.h"
 
@@ -13,7 +17,7 @@ struct OnceOptions {
 };
 
 // How many rays there were, and how many of them hit. Both sides trace within `collected`, a function that is never inlined, the direct
-// side with `direct`; the triangles by the mode rule of contest.h, bounce and room singly. Errors: no such rays, or the model cannot be
+// side as the mode rule of contest.h says; the triangles, too, but bounce and room singly. Errors: no such rays, or the model cannot be
 // read.
 struct Once {
   std::size_t rays = 0, hits = 0;

@@ -142,6 +142,31 @@ void neighbours_share_their_borders() {
   tally.finish_at_least(30u * 2 * 3 * 83);
 }
 
+// Two patches with the same curve along a side, whatever their numbers of sides.
+void patches_share_their_borders() {
+  Tally tally("borders of patches");
+  for (const auto& [sides, others] : {std::pair{4, 3}, {5, 4}, {6, 7}, {3, 8}})
+    for (const int degree : {3, 5, 6, 8}) {
+      Random random(degree);
+      std::vector<Vec3> curve;
+      for (int j = 0; j <= degree; ++j) curve.emplace_back(j, between(random, -1, 1), between(random, -1, 1));
+      std::vector<PatchChart> charts;
+      for (const int n : {sides, others}) {
+        const PatchBasis basis{PatchKind::generalised_bezier, n, degree};
+        NSidedPatch patch = random_net(basis, random, false);
+        const std::vector<int> side = points_of_side(basis, 1);
+        for (std::size_t j = 0; j < side.size(); ++j) patch.points[static_cast<std::size_t>(side[j])] = curve[j];
+        charts.push_back(chart_of(patch, 0));
+      }
+      for (int i = 0; i <= 200; ++i) {
+        const Vec2 st(i / 200.0, 0);
+        tally.within(glm::length(on_spline(charts[0], st) - on_spline(charts[1], st)), 10 * kRounding,
+                     [&] { return fmt::format("{} and {} sides, degree {}, s {}", sides, others, degree, st.x); });
+      }
+    }
+  tally.finish_at_least(4u * 4 * 201);
+}
+
 // At the corner: the control point, half the first legs of both boundaries, and the spline's own first derivatives.
 void corner_has_the_legs_of_the_boundaries() {
   Tally tally("corners");
@@ -221,6 +246,7 @@ TEST(PatchChart, SplinesKeepTheirDistanceBordersAreSharedAndCornersHaveLimits) {
   splines_of_weights_are_nowhere_farther_than_proven();
   spline_meets_the_boundary_curves();
   neighbours_share_their_borders();
+  patches_share_their_borders();
   corner_has_the_legs_of_the_boundaries();
   everything_is_finite();
   nothing_breaks_beside_the_corner();
@@ -236,7 +262,7 @@ TEST(PatchChart, SplinesTurnWithTheirChartsWherePatchesFold) {
   for (const NSidedPatch& patch : patches_over(read_polygons(data("meshes/spot-control-mesh.obj")), MeshKind::gregory))
     for (int k = 0; k < patch.basis.sides; ++k) {
       const PatchChart chart = chart_of(patch, k);
-      fine += chart.near->knots_u[6] < 0.01;
+      fine += chart.near->knots_u[6] < 0.001;
       for (double r = 1; r > 1e-5; r *= 0.75)
         for (const Vec2& way : {Vec2(1, 0), Vec2(1, 0.25), Vec2(1, 1), Vec2(0.25, 1), Vec2(0, 1)}) {
           const Tangents at = tangents_of(chart, r * way);

@@ -215,6 +215,12 @@ TEST_F(BadInput, PatchesWithoutAControlMesh) {
   const std::string scene = write("scene.json", "{\"models\": [{\"file\": \"" + data("patches/teapot.bpt") + "\"}]}");
   expect_refusal(run_isophote({"render", scene, "--patches", "gregory", "-o", path("picture.exr"), "--size", "16x12"}), Exit::bad_input,
                  scene, "expected a model that is an OBJ file");
+  // Beside a mesh, surfaces stay what they are.
+  const std::string mixed = write(
+      "mixed.json", "{\"models\": [{\"file\": \"" + data("meshes/truncated-cuboctahedron.obj") + "\"}, {\"file\": \"" + surfaces + "\"}]}");
+  EXPECT_EQ(
+      run_isophote({"render", mixed, "--patches", "gregory", "-o", path("picture.exr"), "--size", "16x12", "--samples", "1", "-q"}).code,
+      0);
   expect_checked(2);
 }
 

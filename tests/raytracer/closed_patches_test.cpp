@@ -493,7 +493,6 @@ TEST_P(ClosedPatchesSlow, NoneOfManyRaysGetsThrough) {
   examine_file(kMeshes[GetParam()], MeshKind::gregory, wanted("ISOPHOTE_RAYS", 200000));
 }
 const auto kNames = [](const testing::TestParamInfo<int>& info) { return std::string(kMeshes[info.param].name); };
-// Left of 1e7 rays on the cow: in one of 3.3e6 windows of 1e-11 nothing, where the chart is met 1e-4 beyond its spline, off the leaf's box.
 INSTANTIATE_TEST_SUITE_P(All, ClosedPatchesSlow, testing::Values(0, 1, 2), kNames);
 
 }  // namespace
