@@ -15,9 +15,9 @@ namespace {
 constexpr int kDegree = kSplineDegree;
 
 // Where the cells of level 0 meet. Toward the corner the blend of two sides changes by the direction alone, whatever the distance: cells
-// shrink there. Found by search, for regular patches on a sphere with up to eight sides: few cells, with a proven distance below 3e-5 of
-// the patch, of Gregory triangles and quads below 3e-6. The weights of many sides vary quickly, those of Charrot and Gregory also about the
-// centre and, on triangles, at the corner.
+// shrink there. Found by search and trial, for regular patches on a sphere with up to eight sides: few cells, with a proven distance below
+// 3e-5 of the patch, of Gregory triangles and quads below 3e-6. The weights of many sides vary quickly, those of Charrot and Gregory also
+// about the centre and, on triangles, at the corner.
 constexpr double kGregory[] = {0, 0.0546, 0.2108, 0.5973, 1};
 constexpr double kGeneralised[] = {0, 0.0307, 0.1734, 0.397, 0.6911, 1};
 constexpr double kOfOtherSides[] = {0, 0.0256, 0.06, 0.135, 0.26, 0.43, 0.63, 0.82, 1};
