@@ -189,9 +189,30 @@ void report_edges(const std::vector<const ControlPolygon*>& used, std::vector<Pr
 }
 
 PatchBasis basis_for(MeshPatches kind, int sides) {
-  if (kind == MeshPatches::gregory) return gregory_basis(sides);
-  const PatchKind patch = kind == MeshPatches::generalised_bezier ? PatchKind::generalised_bezier : PatchKind::charrot_gregory;
-  return {.kind = patch, .sides = sides, .degree = 3};
+  PatchBasis basis{.kind = PatchKind::charrot_gregory, .sides = sides, .degree = 3};
+  switch (kind) {
+    case MeshPatches::gregory:
+      return gregory_basis(sides);
+    case MeshPatches::gregory_mean_value:
+      basis = gregory_basis(sides);
+      if (basis.kind == PatchKind::generalised_gregory) basis.parameters = SideParameters::mean_value;
+      break;
+    case MeshPatches::generalised_bezier_mean_value:
+      basis.parameters = SideParameters::mean_value;
+      [[fallthrough]];
+    case MeshPatches::generalised_bezier:
+      basis.kind = PatchKind::generalised_bezier;
+      break;
+    case MeshPatches::charrot_gregory_mean_value:
+      basis.parameters = SideParameters::mean_value;
+      break;
+    case MeshPatches::charrot_gregory_distance:
+      basis.parameters = SideParameters::distance;
+      break;
+    case MeshPatches::charrot_gregory:
+      break;
+  }
+  return basis;
 }
 
 }  // namespace
@@ -224,7 +245,7 @@ MeshOfPatches patches_of_mesh(const ControlMesh& mesh, MeshPatches kind) {
     entry.name = (polygon->name.empty() ? "" : polygon->name + "/") + "patch " + std::to_string(polygon - mesh.polygons.data() + 1);
     made.patches.push_back(std::move(entry));
   }
-  if (kind == MeshPatches::generalised_bezier && !made.patches.empty())
+  if (!made.patches.empty() && made.patches.front().patch.basis.kind == PatchKind::generalised_bezier)
     made.problems.push_back({Problem::Kind::note, "patches",
                              "generalised Bezier patches of control meshes: tangent planes meet at vertices, along edges only about", 1});
   return made;

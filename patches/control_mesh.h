@@ -40,8 +40,23 @@ struct ControlMesh {
 //   gregory             Gregory triangles, Gregory quads, and generalised Gregory patches from five sides on
 //   generalised_bezier  tangent planes of neighbours are one at the vertices, along edges only about
 //   charrot_gregory     any number of sides
-enum class MeshPatches : std::uint8_t { gregory, generalised_bezier, charrot_gregory };
-inline constexpr std::array kMeshPatchNames{"gregory", "generalised-bezier", "charrot-gregory"};
+// Side parameters are Wachspress's coordinates; those of the others are told by the name (SideParameters).
+enum class MeshPatches : std::uint8_t {
+  gregory,
+  generalised_bezier,
+  charrot_gregory,
+  gregory_mean_value,
+  generalised_bezier_mean_value,
+  charrot_gregory_mean_value,
+  charrot_gregory_distance,
+};
+inline constexpr std::array kMeshPatchNames{"gregory",
+                                            "generalised-bezier",
+                                            "charrot-gregory",
+                                            "gregory-mean-value",
+                                            "generalised-bezier-mean-value",
+                                            "charrot-gregory-mean-value",
+                                            "charrot-gregory-distance"};
 
 struct MeshOfPatches {
   std::vector<PatchEntry> patches;  // in the order of the polygons and named by their numbers; corners are the indices of points

@@ -74,6 +74,11 @@ inline Pack sqrt(const Pack& x) {
   return root;
 }
 
+inline Pack where_positive(const Pack& of, const Pack& then, const Pack& otherwise) {
+  const Pack::Eight zero{};
+  return {of.v > zero ? then.v : otherwise.v};
+}
+
 // The root has no limit there or is beyond a border: lanes leave that to doubles (domain-inl.h).
 inline Pack blend(const Pack& a, const Pack& b, const Pack& X, const Pack& Y) {
   return (X + Y) * 0.5 + (a - b) * 0.5 * inverse_or_zero(a + b) * (X - Y);
@@ -201,7 +206,7 @@ class PackNewton {
         const double size = at.size(k);
         if (slopes.inverse.v[k] == 0 || !(size <= (step == 0 ? kChartContraction : kMostShare) * last_[k]))
           slow |= 1u << k;
-        else if (step > 0 && size * size < kLeftOnChart * last_[k])
+        else if (step > 0 && size * size < kLeftOnChart * last_[k] * scale_of_steps(chart_, ray_.s.v[k], ray_.t.v[k]))
           end(k, at);
         last_[k] = size;
       }
@@ -237,7 +242,7 @@ class PackNewton {
         const bool turned = roots_.turned >> ray_.lane[k] & 1, same_side = turned ? slopes.inverse.v[k] < 0 : slopes.inverse.v[k] > 0;
         if (!same_side || !(size <= kChartContraction * last_[k]))
           going_ &= ~(1u << k);
-        else if (size < kLastChartStep)
+        else if (size < kLastChartStep * scale_of_steps(chart_, ray_.s.v[k], ray_.t.v[k]))
           end(k, at);
         last_[k] = size;
       }

@@ -5,6 +5,12 @@ namespace iso {
 namespace {
 
 constexpr int kMostSteps = 12;
+// By mean value coordinates a chart is like a cone at its corner, where its spline is a plane: the first steps are as long as the way to
+// the corner, and only when the direction is found they shrink. Those that do not are halved.
+constexpr double kAboutCorner = 0.01, kMostAboutCorner = 0.7;
+constexpr int kMostStepsAboutCorner = 40;
+// Behind it the formulas do not go on: of a root so near to it, about as much as the leaves of neighbours overlap, the corner is left.
+constexpr double kAtCorner = 4e-12;
 // Of the way from the spline to the chart: where a root cannot be followed so far, the ray touches.
 constexpr double kShortest = 1e-3;
 // Of the chart: so far from the fold roots are looked for, and so near a fold is told.
@@ -45,23 +51,26 @@ bool moves_to(const PatchChart& chart, const LocalRay& ray, double share, bool t
   const double rounding = 4 * kEps * ray.scale;
   Vec2 st = root.st;
   double last = kBeyondChart / kChartContraction;
-  for (int k = 0; k < kMostSteps; ++k) {
+  const auto about_corner = [&] { return turns_about_corner(chart) && std::max(std::abs(st.x), std::abs(st.y)) < kAboutCorner; };
+  const int most_steps = about_corner() ? kMostStepsAboutCorner : kMostSteps;
+  for (int k = 0; k < most_steps; ++k) {
     const Tangents at = between(chart, st, share);
     ++root.steps;
     const Equations e = equations(ray, at);
     if (!(turned ? e.determinant < -1e-300 : e.determinant > 1e-300)) return false;
     const Vec2 step = Vec2(e.b * e.F.y - e.d * e.F.x, e.c * e.F.x - e.a * e.F.y) / e.determinant;
     const double size = std::max(std::abs(step.x), std::abs(step.y));
-    if (glm::length(e.F) <= rounding || size < kLastChartStep) {
+    const double smallest = kLastChartStep * scale_of_steps(chart, st.x, st.y);
+    if (glm::length(e.F) <= rounding || size < smallest) {
       // The last step to first order.
-      const Vec2 move = size < kLastChartStep ? step : Vec2(0.0);
+      const Vec2 move = size < smallest ? step : Vec2(0.0);
       root.st = st + move;
       root.t = ray.t_of(at.S + move.x * at.Ss + move.y * at.St);
       return true;
     }
-    if (!(size <= kChartContraction * last)) return false;
+    if (!(size <= kChartContraction * last) && !about_corner()) return false;
+    st += size <= kMostAboutCorner * last ? step : 0.5 * step;
     last = size;
-    st += step;
     if (!Box2{Vec2(-kBeyondChart), Vec2(1 + kBeyondChart)}.contains(st)) return false;
   }
   return false;
@@ -116,8 +125,10 @@ ChartRoot root_on_chart(const PatchChart& chart, const LocalRay& ray, const Vec2
       share = next;
       ahead *= 4;
     } else if ((ahead *= 0.25) < kShortest) {
-      root.t = ray.t_of(tangents_of(chart, root.st).S);
-      root.met = false;
+      const bool at_corner = turns_about_corner(chart) && std::max(std::abs(start.x), std::abs(start.y)) <= kAtCorner;
+      if (at_corner) root.st = Vec2(0.0);
+      root.t = ray.t_of(point_of(chart, root.st));
+      root.met = at_corner;
       break;
     }
   }

@@ -8,7 +8,9 @@
 // the ray misses the spline beside a fold by less than that distance, the chart's own fold is looked for there.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "patches/surface/surface.h"
@@ -47,6 +49,12 @@ LaneMask roots_on_chart(const PatchChart& chart, const SplinePiece& piece, const
 
 // Steps smaller than this (of the chart's square) are taken, and the last: the next would be its square.
 inline constexpr double kLastChartStep = 1e-7;
+// By mean value coordinates the tangents of a chart depend on the direction in which its corner lies, so that what a step leaves is its
+// square over the distance from the corner: by this steps must be smaller there.
+inline bool turns_about_corner(const PatchChart& chart) { return chart.basis.parameters == SideParameters::mean_value; }
+inline double scale_of_steps(const PatchChart& chart, double s, double t) {
+  return turns_about_corner(chart) ? std::min(1.0, std::max(std::abs(s), std::abs(t))) : 1.0;
+}
 // So far beyond its borders a chart may be followed, and so long may a first step be.
 inline constexpr double kBeyondChart = 0.02;
 // Each of Newton's steps must be shorter than the one before by this: where it converges it soon squares them.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "patches/base/corner_series.h"
 #include "patches/surface/patch_basis-inl.h"
 #include "reference/patch_enclosure.h"
 
@@ -128,6 +129,7 @@ PatchIntersector::Models PatchIntersector::Models::quarter(const Vec2& corner) c
 
 // S and its tangents by the formulas, with bounds for numbers.
 PatchIntersector::Bounds PatchIntersector::bound(const NSidedPatch& patch, const Vec2& lo, double width) const {
+  if (lo == Vec2(0.0) && patch.basis.parameters == SideParameters::mean_value) return bound_at_corner(patch, width);
   const double half = 0.5 * width;
   const Vec2 middle = lo + half;
   thread_local std::vector<Enclosure> W;
@@ -149,6 +151,30 @@ PatchIntersector::Bounds PatchIntersector::bound(const NSidedPatch& patch, const
   }
   box.rs = box.Ss.varies() + box.Ss.radius;
   box.rt = box.St.varies() + box.St.radius;
+  return box;
+}
+
+// By mean value coordinates the formulas divide by what vanishes at the corner: a box of all points, in two halves about the diagonal.
+// Tangents have no limits.
+PatchIntersector::Bounds PatchIntersector::bound_at_corner(const NSidedPatch& patch, double width) const {
+  using Corner = CornerSeries<Model>;
+  const double half = 0.5 * width;
+  const Corner far(1.0, 1, half, half), near(Model(0.5, 0, 0.5), 1, half, half);
+  std::vector<Corner> W(patch.points.size());
+  Box3 all;
+  for (const bool swapped : {false, true}) {
+    patch_weights(patch.basis, swapped ? near : far, swapped ? far : near, W.data());
+    Model S[3];
+    for (std::size_t m = 0; m < W.size(); ++m)
+      for (int c = 0; c < 3; ++c) S[c] = S[c] + W[m].value() * patch.points[m][c];
+    for (const double side : {-1.0, 1.0})
+      all.include(Vec3(S[0].c[0], S[1].c[0], S[2].c[0]) + side * Vec3(S[0].spread(), S[1].spread(), S[2].spread()));
+  }
+  Bounds box{.lo = Vec2(0.0), .width = width, .S = {}, .Ss = {}, .St = {}};
+  box.S.radius = box.Ss.radius = box.St.radius = box.rs = box.rt = Vec3(kInf);
+  if (!finite(all.lo) || !finite(all.hi)) return box;
+  box.S.c[0] = all.middle();
+  box.S.radius = 0.5 * all.size() + kRounding * size_;
   return box;
 }
 

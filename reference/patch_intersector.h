@@ -29,8 +29,7 @@ struct PatchMeeting {
 
 class PatchIntersector {
  public:
-  // A valid patch, of any kind; not with side parameters by mean value, whose formulas have no bounds at the corner. Lengths are rounded to
-  // some 1e-15 of the patch's size.
+  // A valid patch, of any kind. Lengths are rounded to some 1e-15 of the patch's size.
   explicit PatchIntersector(const NSidedPatch& patch);
 
   // All meetings on the whole line, sorted by t; one that is met at a border of charts is named once. d is a unit vector.
@@ -70,6 +69,7 @@ class PatchIntersector {
   struct Found;
 
   Bounds bound(const NSidedPatch& patch, const Vec2& lo, double width) const;
+  Bounds bound_at_corner(const NSidedPatch& patch, double width) const;
   bool sharp(const Bounds& box) const;
   Bounds quarter(const NSidedPatch& patch, const Bounds& box, const Vec2& corner) const;
   bool may_meet(const Models& S, const Line& line) const;

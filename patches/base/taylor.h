@@ -40,6 +40,20 @@ struct PowerSeries {
   }
   double magnitude() const { return std::abs(c[0]) + spread(); }
 
+  // Of a model over a quarter of its square, about (a, b) = (+-1/2, +-1/2).
+  PowerSeries quarter(double a, double b) const {
+    PowerSeries q = *this;
+    for (int j = 0; j < kOrder; ++j)
+      for (int k = 0; k < kOrder - j; ++k)
+        for (int i = kOrder - j - 1; i >= k; --i) q.c[index(i, j)] += a * q.c[index(i + 1, j)];
+    for (int i = 0; i < kOrder; ++i)
+      for (int k = 0; k < kOrder - i; ++k)
+        for (int j = kOrder - i - 1; j >= k; --j) q.c[index(i, j)] += b * q.c[index(i, j + 1)];
+    for (int n = 1; n <= kOrder; ++n)
+      for (int j = 0; j <= n; ++j) q.c[index(n - j, j)] *= std::ldexp(1.0, -n);
+    return q;
+  }
+
   friend PowerSeries operator+(PowerSeries x, const PowerSeries& y) {
     for (int k = 0; k < kCount; ++k) x.c[k] += y.c[k];
     x.radius += y.radius;
@@ -74,13 +88,7 @@ struct PowerSeries {
     for (int n = 0; n <= kOrder; ++n) {
       if (of_x[n] == 0) continue;
       for (int m = 0; m + n <= kOrder; ++m) {
-        if (of_y[m] == 0) continue;
-        for (int j = 0; j <= n; ++j) {
-          const double by = x.c[index(n - j, j)];
-          const double* from = &y.c[index(m, 0)];
-          double* to = &p.c[index(n + m - j, j)];
-          for (int l = 0; l <= m; ++l) to[l] += by * from[l];
-        }
+        if (of_y[m] != 0) p.add_product(x, n, y, m);
       }
     }
     if constexpr (kModel) {
@@ -98,49 +106,55 @@ struct PowerSeries {
     return p;
   }
 
-  // 1 / x = 1 / c0 sum (-g / c0)^k with g = x - c0, to the order kept; what is cut off is a geometric series. Nothing is known where x may
-  // vanish.
+  // Order by order from x y = 1. Of a model, what x y differs from 1 by: 1 / x = y / (1 + e). Nothing is known where x may vanish.
   friend PowerSeries inverse(const PowerSeries& x) {
-    PowerSeries g = x, sum(1.0), power(1.0);
-    g.c[0] = 0;
-    g = g * (-1 / x.c[0]);
-    for (int k = 1; k <= kOrder; ++k) {
-      power = power * g;
-      sum = sum + power;
+    PowerSeries y;
+    y.c[0] = 1 / x.c[0];
+    for (int n = 1; n <= kOrder; ++n) {
+      for (int k = 1; k <= n; ++k) y.add_product(x, k, y, n - k);
+      for (int j = 0; j <= n; ++j) y.c[index(n - j, j)] *= -y.c[0];
     }
     if constexpr (kModel) {
-      const double ratio = g.spread();
-      sum.radius = ratio < 1 ? sum.radius + std::pow(ratio, kOrder + 1) / (1 - ratio) : kInf;
+      const double apart = (x * y - 1.0).magnitude();
+      y.radius = apart < 1 ? y.magnitude() * apart / (1 - apart) : kInf;
     }
-    return sum * (1 / x.c[0]);
+    return y;
   }
   friend PowerSeries operator/(const PowerSeries& x, const PowerSeries& y) { return x * inverse(y); }
 
-  // sqrt(c0) sum binomial(1/2, k) (g / c0)^k; where x may vanish, all that lies between 0 and its largest root.
+  // Order by order from y y = x; where x may vanish, all that lies between 0 and its largest root. Of a model, what y y differs from x by:
+  // sqrt(x) - y = (x - y y) / (sqrt(x) + y).
   friend PowerSeries sqrt(const PowerSeries& x) {
     if (!x.bounded_away()) {
       PowerSeries any(0.5 * std::sqrt(x.magnitude()));
       any.radius = any.c[0];
       return any;
     }
-    PowerSeries g = x, sum(1.0), power(1.0);
-    g.c[0] = 0;
-    g = g * (1 / x.c[0]);
-    double binomial = 1;
-    for (int k = 1; k <= kOrder; ++k) {
-      binomial *= (1.5 - k) / k;
-      power = power * g;
-      sum = sum + power * binomial;
+    PowerSeries y;
+    y.c[0] = std::sqrt(x.c[0]);
+    for (int n = 1; n <= kOrder; ++n) {
+      for (int k = 1; k < n; ++k) y.add_product(y, k, y, n - k);
+      for (int j = 0; j <= n; ++j) y.c[index(n - j, j)] = (x.c[index(n - j, j)] - y.c[index(n - j, j)]) / (2 * y.c[0]);
     }
     if constexpr (kModel) {
-      const double ratio = g.spread();
-      sum.radius += std::pow(ratio, kOrder + 1) / (1 - ratio);
+      const double least = std::sqrt(x.c[0] - x.spread()) + y.c[0] - y.spread();
+      y.radius = least > 0 ? (x - y * y).magnitude() / least : kInf;
     }
-    return sum * std::sqrt(x.c[0]);
+    return y;
   }
 
   // Of a sum a + b of what is not negative: whether it may be divided by.
   bool bounded_away() const { return kModel ? c[0] - spread() > 0.02 * c[0] : c[0] > 0; }
+
+  // Adds the product of x's terms of order n and y's of order m.
+  void add_product(const PowerSeries& x, int n, const PowerSeries& y, int m) {
+    for (int j = 0; j <= n; ++j) {
+      const double by = x.c[index(n - j, j)];
+      const double* from = &y.c[index(m, 0)];
+      double* to = &c[index(n + m - j, j)];
+      for (int l = 0; l <= m; ++l) to[l] += by * from[l];
+    }
+  }
 
   // Of patches at their corners (patches/surface/kinds/domain-inl.h).
   friend PowerSeries blend(const PowerSeries& a, const PowerSeries& b, const PowerSeries& X, const PowerSeries& Y) {

@@ -5,23 +5,7 @@
 
 namespace iso {
 
-namespace {
-
-// Mean value coordinates have no first derivatives at the corners, so nothing is proven there of a spline beside a chart.
-void refuse_unbounded(const std::string& path, const PatchSet& set) {
-  for (std::size_t p = 0; p < set.patches.size(); ++p)
-    if (set.patches[p].patch.basis.parameters == SideParameters::mean_value)
-      throw Error{.file = path,
-                  .place = "patches[" + std::to_string(p) + "]",
-                  .message =
-                      "parameters by mean value: such a patch can be evaluated, but no bound is known near its corners, so it is "
-                      "neither traced nor meshed"};
-}
-
-}  // namespace
-
 Model model_of_patches(const std::string& path, const std::string& format, PatchSet set) {
-  refuse_unbounded(path, set);
   Model model;
   model.file = path;
   model.format = format;

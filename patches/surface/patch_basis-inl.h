@@ -1,6 +1,7 @@
 // The weights of every patch kind, once, generic over their number type T: it needs a default constructor, one from double, arithmetic
-// among T and with doubles, `blend` and `share` (kinds/domain-inl.h), and `sqrt` for mean value coordinates. Only for the sources that need
-// another T than double and Dual2 (patch_basis.h). The order of the points is told with each kind.
+// among T and with doubles, `blend` and `share` (kinds/domain-inl.h), and for mean value coordinates `sqrt`, and `where_positive` unless it
+// holds ranges. Only for the sources that need another T than double and Dual2 (patch_basis.h). The order of the points is told with each
+// kind.
 #pragma once
 
 #include "patches/surface/kinds/bezier_triangle-inl.h"

@@ -154,6 +154,14 @@ void weights_at(const PatchBasis& basis, const Vec2& st, std::span<double> W) {
 
 void weights_at(const PatchBasis& basis, const Vec2& st, std::span<Dual2> W) {
   if (st != Vec2(0.0)) return patch_weights<Dual2>(basis, Dual2::variable_u(st.x), Dual2::variable_v(st.y), W.data());
+  if (basis.parameters == SideParameters::mean_value) {
+    std::fill(W.begin(), W.end(), Dual2(0.0));
+    const std::vector<int> next = points_of_side(basis, 1), back = points_of_side(basis, 0);
+    const double leg = 0.5 * basis.degree;  // of Bernstein polynomials of s / 2, and of t / 2
+    W[next[0]] = Dual2(1, -leg, -leg, 0, 0, 0);
+    W[next[1]].u = W[back[back.size() - 2]].v = leg;
+    return;
+  }
   // What has no limit at the corner: along s = t, extrapolated from two places so near that what is left out is next to nothing, and far
   // enough for the differences that blends are made of.
   constexpr double kBeside = 1e-4;
@@ -161,12 +169,6 @@ void weights_at(const PatchBasis& basis, const Vec2& st, std::span<Dual2> W) {
   patch_weights<Dual2>(basis, Dual2::variable_u(kBeside), Dual2::variable_v(kBeside), near.data());
   patch_weights<Dual2>(basis, Dual2::variable_u(2 * kBeside), Dual2::variable_v(2 * kBeside), far.data());
   const auto limit = [&](std::size_t m, double Dual2::*part) { return 2 * near[m].*part - far[m].*part; };
-  if (basis.parameters == SideParameters::mean_value) {
-    std::vector<double> values(W.size());
-    corner_weights(basis, values);
-    for (std::size_t m = 0; m < W.size(); ++m) W[m] = Dual2(values[m], limit(m, &Dual2::u), limit(m, &Dual2::v), 0, 0, 0);
-    return;
-  }
   patch_weights<Dual2>(basis, Dual2::variable_u(0), Dual2::variable_v(0), W.data());
   for (std::size_t m = 0; m < W.size(); ++m)
     for (double Dual2::*part : {&Dual2::uu, &Dual2::uv, &Dual2::vv}) W[m].*part = limit(m, part);

@@ -66,7 +66,8 @@ std::vector<std::pair<int, int>> pairs_of(const PatchBasis& basis);
 // over a border.
 void weights_at(const PatchBasis& basis, const Vec2& st, std::span<double> W);
 // With derivatives in s and t. At the corner itself the second derivatives of blended kinds depend on the direction: those along s = t.
-// With mean value coordinates the first ones do, too, and the second are unbounded there: 0 stands for them [Hormann, Floater 2006].
+// With mean value coordinates the first ones do, too: those along the borders. The second are unbounded there: 0 stands for them [Hormann,
+// Floater 2006].
 void weights_at(const PatchBasis& basis, const Vec2& st, std::span<Dual2> W);
 
 // Corner k of the polygon, and the point of it that belongs to (s, t) in the chart of corner 0. Circumscribed circle of radius 1 about the

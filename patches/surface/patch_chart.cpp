@@ -115,7 +115,7 @@ double distance_from_spline(const std::vector<Vec3>& points, const WeightSplines
 }
 
 // What the spline that rays are sorted by may be off, as a share of the chart's control points' extent: far below a pixel.
-constexpr double kMostError = 3e-5;
+constexpr double kMostError = 1e-5;
 // Radians between the normals of chart and spline: rays that meet a chart more steeply meet its spline as often. Where a patch folds beside
 // a corner, its tangents all but along each other, normals turn over within a hundredth of the chart.
 constexpr double kMostTurn = 0.01;

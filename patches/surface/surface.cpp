@@ -405,7 +405,10 @@ bool regular(const Jet2& j, const Vec3& cross, const Vec2& size) {
 
 Vec3 unit_normal(const AnySurface& surface, UV uv, const Box2& domain) {
   const Vec2 size = domain.size();
-  const Jet2 j = jet2(surface, uv);
+  Jet2 j = jet2(surface, uv);
+  // By mean value coordinates these grow without limit toward a corner, and do not tell where the tangents vanish.
+  const auto* chart = std::get_if<PatchChart>(&surface);
+  if (chart && chart->basis.parameters == SideParameters::mean_value) j.Suu = j.Suv = j.Svv = Vec3(0.0);
   const Vec3 cross = glm::cross(j.Su, j.Sv);
   if (regular(j, cross, size)) return glm::normalize(cross);
   // The limit from inside: step from uv toward the middle of the domain. To first order the normal there is

@@ -22,7 +22,9 @@ struct PatchesOption {
 
 inline void declare_patches_option(CLI::App& command, PatchesOption& option) {
   command
-      .add_option("--patches", option.name, "make the polygons of a control mesh (OBJ) patches: gregory generalised-bezier charrot-gregory")
+      .add_option("--patches", option.name,
+                  "make the polygons of a control mesh (OBJ) patches: gregory generalised-bezier charrot-gregory, the same with "
+                  "side parameters by mean value (NAME-mean-value), or charrot-gregory-distance")
       ->check(CLI::IsMember(std::set<std::string>(kMeshPatchNames.begin(), kMeshPatchNames.end())));
 }
 

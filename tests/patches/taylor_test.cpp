@@ -1,9 +1,10 @@
 // Truncated power series: models contain what they stand for, their width shrinks with the right order, derivatives are those of the closed
-// form.
+// form. At corners, where powers of the distance cancel, models contain quotients up to the corner.
 #include "patches/base/taylor.h"
 
 #include <gtest/gtest.h>
 
+#include "patches/base/corner_series.h"
 #include "patches/surface/patch_basis-inl.h"
 #include "tests/support/n_sided.h"
 #include "tests/support/tally.h"
@@ -93,7 +94,7 @@ TEST(Taylor, RadiusConvergesWithTheOrder) {
   int checked = 0;
   for (const Formula& f : kFormulas) {
     double before = 0;
-    for (const double half : {0.1, 0.05, 0.025}) {
+    for (const double half : {0.2, 0.1, 0.05}) {
       const double radius = f.model(Taylor(0.7, half, 0), Taylor(0.4, 0, half)).radius;
       if (before > 0) {
         EXPECT_GE(std::log2(before / radius), Taylor::kOrder + 0.5) << f.name << ", " << half;
@@ -131,6 +132,148 @@ TEST(Taylor, DivisorsThatMayVanishAreUnbounded) {
 TEST(Taylor, SquareRootAcrossZeroIsARange) {
   const Taylor model = sqrt(Taylor(0.5, 0.5, 0));
   for (int k = 0; k <= 100; ++k) EXPECT_LE(std::abs(std::sqrt(0.01 * k) - value(model, 0.02 * k - 1, 0)), model.radius);
+}
+
+// Over a quarter the polynomial is the same, about another middle.
+TEST(Taylor, QuartersAreTheSamePolynomial) {
+  Numbers random(4);
+  Tally tally("quarters");
+  for (const Formula& f : kFormulas) {
+    const Taylor model = f.model(Taylor(0.7, 0.2, 0), Taylor(0.6, 0, 0.1));
+    for (const double x : {-0.5, 0.5})
+      for (const double y : {-0.5, 0.5}) {
+        const Taylor part = model.quarter(x, y);
+        EXPECT_EQ(part.radius, model.radius);
+        for (int k = 0; k < 20; ++k) {
+          const double a = random(-1, 1), b = random(-1, 1);
+          tally.within(std::abs(value(part, a, b) - value(model, x + 0.5 * a, y + 0.5 * b)), kRounding, [&] { return f.name; });
+        }
+      }
+  }
+  tally.finish(6 * 4 * 20);
+}
+
+// ---- CornerSeries --------------------------------------------------------------------------------------------------------
+
+using Corner = CornerSeries<Taylor>;
+
+// In (r, w): (s, t) = (r, r w), or the other way round.
+struct CornerBox {
+  Vec2 middle, half;
+  bool swapped;
+
+  std::pair<Corner, Corner> st() const {
+    const Corner far(1.0, 1, middle.x, half.x), near(Taylor(middle.y, 0, half.y), 1, middle.x, half.x);
+    return swapped ? std::pair{near, far} : std::pair{far, near};
+  }
+  Vec2 at(double a, double b) const {
+    const double r = middle.x + a * half.x, w = middle.y + b * half.y;
+    return swapped ? Vec2(r * w, r) : Vec2(r, r * w);
+  }
+};
+
+// Some reach to the corner, at which nothing but the limit along a line is left: they are looked at beside it.
+CornerBox random_corner_box(Numbers& random, int repeat, double largest) {
+  CornerBox box{.middle = {}, .half = {largest * std::pow(10.0, random(-5, 0)), 0.5 * random(0.05, 0.3)}, .swapped = repeat % 2 == 1};
+  box.middle.x = box.half.x * (repeat % 4 < 2 ? 1 : random(1, 3));
+  box.middle.y = random(box.half.y, 1 - box.half.y);
+  return box;
+}
+
+struct CornerFormula {
+  const char* name;
+  Corner (*model)(const Corner&, const Corner&);
+  double (*number)(const double&, const double&);
+};
+template <class T>
+T harmonic(const T& s, const T& t) {
+  return s * t / (s + t) + 0.5 * s;
+}
+template <class T>
+T length_of(const T& s, const T& t) {
+  using std::sqrt;
+  return sqrt(s * s + t * t) * (1.0 - s) + t;
+}
+template <class T>
+T direction(const T& s, const T& t) {
+  return share(s * (1.0 + t), t) * (s + 2.0);
+}
+template <class T>
+T of_second_order(const T& s, const T& t) {
+  return blend(s, t, s * s * (t + 1.0), s * t) - T(0.0) * s;
+}
+constexpr CornerFormula kCornerFormulas[] = {
+    {"harmonic", harmonic<Corner>, harmonic<double>},
+    {"length", length_of<Corner>, length_of<double>},
+    {"direction", direction<Corner>, direction<double>},
+    {"second order", of_second_order<Corner>, of_second_order<double>},
+};
+
+TEST(CornerSeries, ModelsContainQuotientsUpToTheCorner) {
+  Numbers random(5);
+  Tally tally("models at corners");
+  double widest = 0;
+  for (const CornerFormula& f : kCornerFormulas)
+    for (int repeat = 0; repeat < 400; ++repeat) {
+      const CornerBox box = random_corner_box(random, repeat, 0.1);
+      const auto [s, t] = box.st();
+      const Taylor model = f.model(s, t).value();
+      widest = std::max(widest, model.radius);
+      for (int k = 0; k < 40; ++k) {
+        const double a = k < 20 ? random(-1, 1) : -1 + std::pow(10.0, random(-12, 0)), b = random(-1, 1);
+        const Vec2 st = box.at(a, b);
+        tally.check(!(std::abs(f.number(st.x, st.y) - value(model, a, b)) > model.radius + kRounding),
+                    [&] { return fmt::format("{} at {} {}", f.name, st.x, st.y); });
+      }
+    }
+  EXPECT_LT(widest, 1e-3);
+  tally.finish(4 * 400 * 40);
+}
+
+// What cancels leaves no width, and powers below zero have no limit.
+TEST(CornerSeries, PowersCancel) {
+  for (const bool swapped : {false, true}) {
+    const CornerBox box{.middle = {0.01, 0.6}, .half = {0.01, 0.1}, .swapped = swapped};
+    const auto [s, t] = box.st();
+    const Taylor one = ((s * s + s * t) / (s + t) / s).value();
+    EXPECT_NEAR(one.c[0], 1, 1e-15);
+    EXPECT_LT(one.spread(), 1e-6);  // of 1 + w and its inverse
+    EXPECT_EQ((s / s).power, 0);
+    EXPECT_EQ(sqrt(s * s + t * t).power, 1);
+    EXPECT_EQ((Corner(0.0) + s).power, 1);
+    EXPECT_EQ((1.0 + s).power, 0);
+    EXPECT_FALSE((1.0 / s).value().radius < kInf);
+    EXPECT_FALSE(sqrt(s).f.radius < kInf);
+  }
+}
+
+// All weights on mean value parameters.
+TEST(CornerSeries, ModelsContainWeightsUpToTheCorner) {
+  Numbers random(6);
+  Tally tally("weights at corners");
+  int bases = 0;
+  for (const PatchBasis& basis : every_basis()) {
+    if (basis.parameters != SideParameters::mean_value || basis.degree > 4) continue;
+    ++bases;
+    for (int repeat = 0; repeat < 6; ++repeat) {
+      const CornerBox box = random_corner_box(random, repeat, 1e-3);
+      const auto [s, t] = box.st();
+      std::vector<Corner> W(point_count(basis));
+      patch_weights(basis, s, t, W.data());
+      for (int k = 0; k < 10; ++k) {
+        const double a = k < 5 ? random(-1, 1) : -1 + std::pow(10.0, random(-9, 0)), b = random(-1, 1);
+        const std::vector<double> truth = weights(basis, box.at(a, b));
+        for (std::size_t m = 0; m < W.size(); ++m) {
+          const Taylor model = W[m].value();
+          tally.check(std::abs(truth[m] - value(model, a, b)) <= model.radius + kRounding,
+                      [&] { return fmt::format("{}, weight {} at r {} w {}", told(basis), m, a, b); });
+          tally.check(model.radius < 0.01, [&] { return fmt::format("{}, weight {}: radius {}", told(basis), m, model.radius); });
+        }
+      }
+    }
+  }
+  EXPECT_EQ(bases, 8 * 4);
+  tally.finish_at_least(32u * 6 * 10 * 15);
 }
 
 // ---- Series ------------------------------------------------------------------------------------------------------------------

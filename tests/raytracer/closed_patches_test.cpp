@@ -424,8 +424,8 @@ constexpr MeshFile kMeshes[] = {{"TruncatedCuboctahedron", "truncated-cuboctahed
                                 {"Goldberg", "goldberg-642.obj", true}};
 
 void examine_file(const MeshFile& mesh, MeshKind kind, std::uint64_t rays) {
-  Subject(std::string(mesh.name) + (kind == MeshKind::gregory ? "" : ", Charrot-Gregory"),
-          read_polygons(data(std::string("meshes/") + mesh.file)), kind, mesh.ball)
+  constexpr const char* kKinds[] = {"", ", Charrot-Gregory", ", mean value", ", Charrot-Gregory by mean value"};
+  Subject(std::string(mesh.name) + kKinds[static_cast<int>(kind)], read_polygons(data(std::string("meshes/") + mesh.file)), kind, mesh.ball)
       .examine(rays);
 }
 
@@ -436,6 +436,10 @@ TEST(ClosedPatches, NothingGetsThroughSquaresAndHexagons) {
 }
 TEST(ClosedPatches, NothingGetsThroughSquaresHexagonsAndOctagons) {
   for (const MeshKind kind : {MeshKind::gregory, MeshKind::charrot_gregory}) examine_file(kMeshes[0], kind, 50000);
+}
+// Their tangents have no limits at the corners.
+TEST(ClosedPatches, NothingGetsThroughParametersByMeanValue) {
+  for (const MeshKind kind : {MeshKind::gregory_mean_value, MeshKind::charrot_gregory_mean_value}) examine_file(kMeshes[0], kind, 25000);
 }
 TEST(ClosedPatches, NothingGetsThroughTheControlMeshOfACow) { examine_file(kMeshes[1], MeshKind::gregory, 50000); }
 

@@ -63,7 +63,15 @@ inline std::vector<Vec3> vertex_normals(const PolygonMesh& mesh) {
   return sums;
 }
 
-enum class MeshKind { gregory, charrot_gregory };
+// `mean_value`: of patches with a choice, on those parameters.
+enum class MeshKind { gregory, charrot_gregory, gregory_mean_value, charrot_gregory_mean_value };
+inline PatchBasis basis_of(MeshKind kind, int sides) {
+  const bool gregory = kind == MeshKind::gregory || kind == MeshKind::gregory_mean_value;
+  PatchBasis basis = gregory ? gregory_basis(sides) : PatchBasis{PatchKind::charrot_gregory, sides, 3};
+  const bool has_choice = basis.kind == PatchKind::generalised_gregory || basis.kind == PatchKind::charrot_gregory;
+  if (has_choice && kind >= MeshKind::gregory_mean_value) basis.parameters = SideParameters::mean_value;
+  return basis;
+}
 
 // One patch a polygon. Neighbours have one boundary curve, bit for bit.
 inline std::vector<NSidedPatch> patches_over(const PolygonMesh& mesh, MeshKind kind) {
@@ -73,8 +81,7 @@ inline std::vector<NSidedPatch> patches_over(const PolygonMesh& mesh, MeshKind k
     const int n = static_cast<int>(polygon.size());
     std::vector<PatchCorner> corners;
     for (const int v : polygon) corners.push_back({mesh.points[v], normals[v]});
-    const PatchBasis basis = kind == MeshKind::gregory ? gregory_basis(n) : PatchBasis{PatchKind::charrot_gregory, n, 3};
-    auto made = patch_over(basis, corners);
+    auto made = patch_over(basis_of(kind, n), corners);
     if (!made) {
       ADD_FAILURE() << made.error().text();
       return {};

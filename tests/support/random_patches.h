@@ -50,18 +50,19 @@ inline NSidedPatch random_net(const PatchBasis& basis, Random& random, bool rati
   return patch;
 }
 
-// Patches of a kind, with 3 to 8 sides where it has a choice, and all parameters whose formulas have bounds: at least eight. `few`: higher
-// degrees, and side parameters by distance, for every other number of sides only.
+// Patches of a kind, with 3 to 8 sides where it has a choice, and all side parameters: at least eight. `few`: higher degrees, and side
+// parameters by distance, for every other number of sides only, those by mean value for five sides.
 inline std::vector<NSidedPatch> random_patches(PatchKind kind, Random& random, bool few) {
   constexpr std::size_t kLeast = 8;
   std::vector<NSidedPatch> patches;
   while (patches.size() < kLeast)
     for (int n = 3; n <= 8; ++n)
-      for (const SideParameters parameters : {SideParameters::wachspress, SideParameters::distance})
+      for (const SideParameters parameters : {SideParameters::wachspress, SideParameters::distance, SideParameters::mean_value})
         for (const int degree : {2, 3, 4, 5}) {
           const PatchBasis basis{kind, n, degree, parameters};
           if (!problem_of(basis).empty()) continue;
           const bool triangle = kind == PatchKind::bezier_triangle;
+          if (few && parameters == SideParameters::mean_value && n != 5) continue;
           if (few && !triangle && (parameters == SideParameters::wachspress ? degree > 3 && degree != 4 + n % 2 : n % 2 == 0)) continue;
           if (!triangle && degree == 3) patches.push_back(random_patch_over(basis, random));
           if (triangle || degree > 3) patches.push_back(random_net(basis, random, false));

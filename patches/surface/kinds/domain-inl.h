@@ -43,6 +43,19 @@ inline Dual2 share(const Dual2& a, const Dual2& b) {
   return sum.f != 0 ? a / sum : Dual2(0.5);
 }
 
+// One or the other, of two that are the same number: where the first is better told. Number types that hold ranges take the second, which
+// is told everywhere inside.
+template <class T>
+const T& where_positive(const T&, const T&, const T& otherwise) {
+  return otherwise;
+}
+inline double where_positive(double of, double then, double otherwise) { return of > 0 ? then : otherwise; }
+inline const Dual2& where_positive(const Dual2& of, const Dual2& then, const Dual2& otherwise) { return of.f > 0 ? then : otherwise; }
+template <class R>
+Dual1<R> where_positive(const Dual1<R>& of, const Dual1<R>& then, const Dual1<R>& otherwise) {
+  return {where_positive(of.f, then.f, otherwise.f), where_positive(of.f, then.u, otherwise.u), where_positive(of.f, then.v, otherwise.v)};
+}
+
 // Of first derivatives: `inverse_or_zero` takes zero to zero, so that nothing is left of what has no limit.
 inline double inverse_or_zero(double x) { return x != 0 ? 1 / x : 0.0; }
 template <class R>

@@ -29,28 +29,39 @@ std::array<T, kMostSides> products_without_two(int n, const std::array<T, kMostS
   return product;
 }
 
-// Entry j: what the mean value coordinate of corner j has beside Wachspress's product of distances, times a common factor: with T_k the
-// tangent of half the angle that side k takes up, (T_j + T_(j+1)) d_j d_(j+1) / |v_j - x| [Floater 2003; Hettinga 2021, eq. 2.9]. No limit
-// at a corner.
+// What mean value coordinates are made of: the coordinate of corner j is (T_j + T_(j+1)) / |v_j - x|, with T_k the tangent of half the
+// angle that side k takes up [Floater 2003; Hettinga 2021, eq. 2.9]. T_k = N_k / D_k; D_k takes the place of the distance from side k in
+// Wachspress's products, and factor_j = (N_j D_(j+1) + N_(j+1) D_j) / |v_j - x| is what the coordinate has beside them. No limit at a
+// corner.
 template <class T>
-std::array<T, kMostSides> mean_value_factors(const DomainPoint<T>& x) {
+struct MeanValueParts {
+  std::array<T, kMostSides> divisor, factor;
+};
+template <class T>
+MeanValueParts<T> mean_value_parts(const DomainPoint<T>& x) {
   using std::sqrt;
   const int n = x.sides;
-  std::array<T, kMostSides> length, tangent;        // tangent[k]: of side k, times d_k, the same for all sides but for a factor
+  std::array<T, kMostSides> length, numerator;
   std::array<std::array<T, 2>, kMostSides> corner;  // v_k - x
+  MeanValueParts<T> parts;
   for (int k = 0; k < n; ++k)
     for (int c = 0; c < 2; ++c) corner[k][c] = x.to_corner(k, c);
   for (int k = 0; k < n; ++k) length[k] = sqrt(corner[k][0] * corner[k][0] + corner[k][1] * corner[k][1]);
+  const Vec2 side = domain_rates(n).corner[1];
+  const double squared_side = glm::dot(side, side);
   for (int k = 0; k < n; ++k) {
     const int from = (k + n - 1) % n;
-    tangent[k] = length[from] * length[k] - (corner[from][0] * corner[k][0] + corner[from][1] * corner[k][1]);
+    const T lengths = length[from] * length[k], dot = corner[from][0] * corner[k][0] + corner[from][1] * corner[k][1];
+    const T& distance = x.distance[k];
+    // (1 - cos) / sin is told on the side itself, sin / (1 + cos) where the side is seen from its end.
+    numerator[k] = where_positive(dot, distance * squared_side, lengths - dot);
+    parts.divisor[k] = where_positive(dot, lengths + dot, distance);
   }
-  std::array<T, kMostSides> factor;
   for (int j = 0; j < n; ++j) {
     const int next = (j + 1) % n;
-    factor[j] = (tangent[j] * x.distance[next] + tangent[next] * x.distance[j]) / length[j];
+    parts.factor[j] = (numerator[j] * parts.divisor[next] + numerator[next] * parts.divisor[j]) / length[j];
   }
-  return factor;
+  return parts;
 }
 
 // Of Wachspress's coordinates, or of mean value coordinates. Factors that all coordinates of a fraction have in common are left out of it,
@@ -58,12 +69,13 @@ std::array<T, kMostSides> mean_value_factors(const DomainPoint<T>& x) {
 template <class T>
 SideValues<T> side_values(const DomainPoint<T>& x, SideParameters parameters) {
   const int n = x.sides;
-  std::array<T, kMostSides> phi = products_without_two(n, x.distance), factor;
   const bool mean_value = parameters == SideParameters::mean_value;
-  if (mean_value) {
-    factor = mean_value_factors(x);
-    for (int j = 0; j < n; ++j) phi[j] = phi[j] * factor[j];
-  }
+  MeanValueParts<T> parts;
+  if (mean_value) parts = mean_value_parts(x);
+  const std::array<T, kMostSides>& divisor = mean_value ? parts.divisor : x.distance;
+  std::array<T, kMostSides> phi = products_without_two(n, divisor);
+  if (mean_value)
+    for (int j = 0; j < n; ++j) phi[j] = phi[j] * parts.factor[j];
   T sum = phi[0];
   for (int j = 1; j < n; ++j) sum = sum + phi[j];
   const T scale = T(1.0) / sum;
@@ -72,10 +84,10 @@ SideValues<T> side_values(const DomainPoint<T>& x, SideParameters parameters) {
   SideValues<T> of;
   for (int k = 0; k < n; ++k) {
     const int from = (k + n - 1) % n, next = (k + 1) % n;
-    T end = x.distance[from], start = x.distance[next];
+    T end = divisor[from], start = divisor[next];
     if (mean_value) {
-      end = end * factor[k];
-      start = start * factor[from];
+      end = end * parts.factor[k];
+      start = start * parts.factor[from];
     }
     of.s[k] = share(end, start);
     of.s_rest[k] = share(start, end);
