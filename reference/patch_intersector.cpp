@@ -18,6 +18,7 @@ constexpr double kAsked = 0x1p-12;     // but for those where the formulas are a
 constexpr double kSharp = 1.0 / 8;     // of what polynomials vary by: with a larger radius the formulas are asked again
 constexpr double kOneToOne = 0.9;      // how much of a tangent may vary, below 1
 constexpr double kBeyond = 1e-10;      // half widths: roots on a border are found from both sides of it
+constexpr int kWedges = 8;             // of half a box at a corner
 const Vec2 kCorners[4] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};  // of a box, whose quarters they name
 constexpr double kTwice = 1e-10;                            // sizes: meetings nearer than that are one
 
@@ -154,15 +155,17 @@ PatchIntersector::Bounds PatchIntersector::bound(const NSidedPatch& patch, const
   return box;
 }
 
-// By mean value coordinates the formulas divide by what vanishes at the corner: a box of all points, in two halves about the diagonal.
-// Tangents have no limits.
+// By mean value coordinates the formulas divide by what vanishes at the corner: a box of all points, from wedges on either side of the
+// diagonal. Tangents have no limits.
 PatchIntersector::Bounds PatchIntersector::bound_at_corner(const NSidedPatch& patch, double width) const {
   using Corner = CornerSeries<Model>;
   const double half = 0.5 * width;
-  const Corner far(1.0, 1, half, half), near(Model(0.5, 0, 0.5), 1, half, half);
+  const Corner far(1.0, 1, half, half);
   std::vector<Corner> W(patch.points.size());
   Box3 all;
-  for (const bool swapped : {false, true}) {
+  for (int part = 0; part < 2 * kWedges; ++part) {
+    const bool swapped = part % 2 == 1;
+    const Corner near(Model((part / 2 + 0.5) / kWedges, 0, 0.5 / kWedges), 1, half, half);
     patch_weights(patch.basis, swapped ? near : far, swapped ? far : near, W.data());
     Model S[3];
     for (std::size_t m = 0; m < W.size(); ++m)
