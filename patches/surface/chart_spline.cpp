@@ -1,8 +1,5 @@
 #include "patches/surface/chart_spline.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <array>
 #include <span>
 
@@ -20,14 +17,15 @@ constexpr int kDegree = kSplineDegree;
 
 // Where the cells of level 0 meet. Toward the corner the blend of two sides changes by the direction alone, whatever the distance: cells
 // shrink there. Found by search and trial, for regular patches on a sphere with up to eight sides: few cells, with a proven distance below
-// 3e-5 of the patch, of Gregory triangles and quads below 3e-6. The weights of many sides vary quickly, those of Charrot and Gregory also
+// 1e-5 of the patch, of Gregory triangles and quads below 5e-6. The weights of many sides vary quickly, those of Charrot and Gregory also
 // about the centre and, on triangles, at the corner.
 constexpr double kGregory[] = {0, 0.0546, 0.2108, 0.5973, 1};
 constexpr double kGeneralised[] = {0, 0.0307, 0.1734, 0.397, 0.6911, 1};
 constexpr double kOfOtherSides[] = {0, 0.0256, 0.06, 0.135, 0.26, 0.43, 0.63, 0.82, 1};
 constexpr double kCharrotGregory[] = {0, 0.03, 0.1, 0.22, 0.37, 0.53, 0.69, 0.85, 1};
 constexpr double kCharrotTriangle[] = {0, 0.01, 0.035, 0.1, 0.22, 0.37, 0.53, 0.69, 0.85, 1};
-// By mean value coordinates already the tangents change by the direction.
+// By mean value coordinates already the tangents change by the direction: a cell that is much longer than the one before it lets the spline
+// fold, the more so the more sides there are.
 constexpr double kMeanValue[] = {0, 2e-5, 1.2e-4, 6e-4, 2.4e-3, 7e-3, 0.018, 0.04, 0.08, 0.15, 0.27, 0.44, 0.68, 1};
 constexpr double kMeanValueCharrot[] = {0, 2e-5, 1.2e-4, 6e-4, 2.4e-3, 7e-3, 0.018, 0.04, 0.08, 0.15, 0.27, 0.42, 0.59, 0.79, 1};
 constexpr double kMeanValueOfMany[] = {0,    1e-4, 2.5e-4, 6e-4, 1.4e-3, 3e-3, 6.5e-3, 0.0135, 0.027,
@@ -135,9 +133,8 @@ class SplineMaker {
     out.error.assign(static_cast<std::size_t>(out.cells) * points_, kRounding);
     out.error_of_sum.assign(out.cells * out.pairs.size(), kRounding);
     out.error_of_difference.assign(out.cells * out.pairs.size(), kRounding);
-    // Apart from all other work: a thread that waits here must not take up some that waits for this spline.
-    tbb::this_task_arena::isolate(
-        [&] { tbb::parallel_for(0, out.cells, [&](int cell) { prove_cell(cell / cells_, cell % cells_, out); }); });
+    for (int i = 0; i < cells_; ++i)
+      for (int j = 0; j < cells_; ++j) prove_cell(i, j, out);
     for (int k = 0; k < cells_; ++k) {
       const Range along{at_[k], at_[k + 1]}, across{-0.5 * at_[1], 0.5 * at_[1]};
       out.slopes.push_back(slopes_amid(k, 0, {{along.lo, across.lo}, {along.hi, across.hi}}));

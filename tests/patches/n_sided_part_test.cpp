@@ -90,6 +90,34 @@ TEST(NSidedPart, PrismsAreClosedAndTheirEdgesRunOneWay) {
     }
 }
 
+// Which patches a name stands for: the two polygons of a prism, and its squares.
+TEST(NSidedPart, NamesStandForKindsAndSideParameters) {
+  using enum PatchKind;
+  using enum SideParameters;
+  const std::map<std::string, std::pair<PatchBasis, PatchBasis>> truth{
+      {"gregory", {{generalised_gregory, 5, 3, wachspress}, {gregory_quad, 4, 3, wachspress}}},
+      {"generalised-bezier", {{generalised_bezier, 5, 3, wachspress}, {generalised_bezier, 4, 3, wachspress}}},
+      {"charrot-gregory", {{PatchKind::charrot_gregory, 5, 3, wachspress}, {PatchKind::charrot_gregory, 4, 3, wachspress}}},
+      {"gregory-mean-value", {{generalised_gregory, 5, 3, mean_value}, {gregory_quad, 4, 3, wachspress}}},
+      {"generalised-bezier-mean-value", {{generalised_bezier, 5, 3, mean_value}, {generalised_bezier, 4, 3, mean_value}}},
+      {"charrot-gregory-mean-value", {{PatchKind::charrot_gregory, 5, 3, mean_value}, {PatchKind::charrot_gregory, 4, 3, mean_value}}},
+      {"charrot-gregory-distance", {{PatchKind::charrot_gregory, 5, 3, distance}, {PatchKind::charrot_gregory, 4, 3, distance}}},
+  };
+  ASSERT_EQ(truth.size(), kMeshPatchNames.size());
+  for (std::size_t k = 0; k < kMeshPatchNames.size(); ++k) {
+    const auto& [polygon, square] = truth.at(kMeshPatchNames[k]);
+    const std::vector<PatchEntry> patches = patches_over(prism(5), static_cast<MeshPatches>(k));
+    ASSERT_EQ(patches.size(), 7u);
+    int polygons = 0, squares = 0;
+    for (const PatchEntry& entry : patches) {
+      polygons += entry.patch.basis == polygon;
+      squares += entry.patch.basis == square;
+    }
+    EXPECT_EQ(polygons, 2) << kMeshPatchNames[k];
+    EXPECT_EQ(squares, 5) << kMeshPatchNames[k];
+  }
+}
+
 TEST(NSidedPart, SidesAreFoundByPlaceWithoutVertices) {
   for (const int n : {3, 5, 8}) {
     std::vector<PatchEntry> patches = patches_over(prism(n));
