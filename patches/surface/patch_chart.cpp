@@ -114,8 +114,9 @@ double distance_from_spline(const std::vector<Vec3>& points, const WeightSplines
   return worst;
 }
 
-// What the spline that rays are sorted by may be off, as a share of the chart's control points' extent: far below a pixel.
-constexpr double kMostError = 1e-5;
+// What the spline that rays are sorted by may be off, as a share of the chart's control points' extent: far below a pixel. By mean value
+// coordinates finer splines have many cells at the corner, which take seconds to prove.
+constexpr double kMostError = 1e-5, kMostErrorByMeanValue = 3e-5;
 // Radians between the normals of chart and spline: rays that meet a chart more steeply meet its spline as often. Where a patch folds beside
 // a corner, its tangents all but along each other, normals turn over within a hundredth of the chart.
 constexpr double kMostTurn = 0.01;
@@ -198,7 +199,8 @@ PatchChart chart_of(const NSidedPatch& patch, int corner) {
   for (const Vec3& p : chart.points) box.include(p);
   // What all points have in common rounds: a patch that is a point needs no finer spline.
   const double coordinates = glm::length(glm::max(glm::abs(box.lo), glm::abs(box.hi)));
-  const double most = kMostError * box.diagonal() + kRounding * coordinates;
+  const double share = patch.basis.parameters == SideParameters::mean_value ? kMostErrorByMeanValue : kMostError;
+  const double most = share * box.diagonal() + kRounding * coordinates;
   const std::shared_ptr<const WeightSplines> splines =
       weight_splines(chart.basis, grid_of_patch(chart, turn, box.diagonal() + coordinates, most));
   chart.near = std::make_shared<const NurbsSurface>(spline_of(chart, *splines));
