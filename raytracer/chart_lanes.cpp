@@ -84,6 +84,11 @@ inline Pack blend(const Pack& a, const Pack& b, const Pack& X, const Pack& Y) {
   return (X + Y) * 0.5 + (a - b) * 0.5 * inverse_or_zero(a + b) * (X - Y);
 }
 inline Pack share(const Pack& a, const Pack& b) { return (a - b) * 0.5 * inverse_or_zero(a + b) + 0.5; }
+inline void shares(const Pack& a, const Pack& b, Pack& of_a, Pack& of_b) {
+  const Pack beyond_half = (a - b) * 0.5 * inverse_or_zero(a + b);
+  of_a = beyond_half + 0.5;
+  of_b = Pack(0.5) - beyond_half;
+}
 
 // Up to kPack rays that have a root on the spline, gathered from the lanes of a packet: what they are on their way with. Empty places
 // repeat the first one.

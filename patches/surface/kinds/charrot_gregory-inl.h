@@ -68,11 +68,7 @@ void charrot_gregory_weights(const DomainPoint<T>& x, SideParameters parameters,
   const T scale = T(1.0) / sum;
   for (int m = 0; m < 5 * n; ++m) W[m] = T(0.0);
   std::array<T, kMostSides> u, u_rest;  // v of a corner is 1 - u of the one before
-  for (int k = 0; k < n; ++k) {
-    const T &own = d[k], &beyond = d[(k + 2) % n];
-    u[k] = share(own, beyond);
-    u_rest[k] = share(beyond, own);
-  }
+  for (int k = 0; k < n; ++k) shares(d[k], d[(k + 2) % n], u[k], u_rest[k]);
   for (int k = 0; k < n; ++k) {
     const int before = (k + n - 1) % n;
     add_corner_interpolator(n, k, u[k], u_rest[k], u_rest[before], u[before], corner[k] * scale, W);

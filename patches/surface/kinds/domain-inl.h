@@ -43,6 +43,13 @@ inline Dual2 share(const Dual2& a, const Dual2& b) {
   return sum.f != 0 ? a / sum : Dual2(0.5);
 }
 
+// Both shares, a / (a + b) and b / (a + b). Number types for which it pays have a `shares` of their own that divides once.
+template <class T>
+void shares(const T& a, const T& b, T& of_a, T& of_b) {
+  of_a = share(a, b);
+  of_b = share(b, a);
+}
+
 // One or the other, of two that are the same number: where the first is better told. Number types that hold ranges take the second, which
 // is told everywhere inside.
 template <class T>

@@ -89,8 +89,7 @@ SideValues<T> side_values(const DomainPoint<T>& x, SideParameters parameters) {
       end = end * parts.factor[k];
       start = start * parts.factor[from];
     }
-    of.s[k] = share(end, start);
-    of.s_rest[k] = share(start, end);
+    shares(end, start, of.s[k], of.s_rest[k]);
     T others = phi[next];
     for (int j = 2; j + 1 < n; ++j) others = others + phi[(k + j) % n];
     of.h[k] = others;
