@@ -6,7 +6,8 @@ namespace {
 
 constexpr int kMostSteps = 12;
 // By mean value coordinates a chart is like a cone at its corner, where its spline is a plane: the first steps are as long as the way to
-// the corner, and only when the direction is found they shrink. Those that do not are halved.
+// the corner, and only when the direction is found they shrink. Those that do not are halved, and go no farther than twice the way to the
+// corner.
 constexpr double kAboutCorner = 0.01, kMostAboutCorner = 0.7;
 constexpr int kMostStepsAboutCorner = 40;
 // Behind it the formulas do not go on: of a root so near to it, about as much as the leaves of neighbours overlap, the corner is left.
@@ -46,7 +47,7 @@ Equations equations(const LocalRay& ray, const Tangents& at) {
 }
 
 // Newton from root.st on the surface between. False, and root left as it was but for the steps, where it does not stay on its side, does
-// not converge at once, or leaves the chart.
+// not converge at once, away from such corners, or leaves the chart.
 bool moves_to(const PatchChart& chart, const LocalRay& ray, double share, bool turned, ChartRoot& root) {
   const double rounding = 4 * kEps * ray.scale;
   Vec2 st = root.st;
@@ -68,8 +69,13 @@ bool moves_to(const PatchChart& chart, const LocalRay& ray, double share, bool t
       root.t = ray.t_of(at.S + move.x * at.Ss + move.y * at.St);
       return true;
     }
-    if (!(size <= kChartContraction * last) && !about_corner()) return false;
-    st += size <= kMostAboutCorner * last ? step : 0.5 * step;
+    double way = 1;
+    if (!(size <= kChartContraction * last)) {
+      if (!about_corner()) return false;
+      const double from_corner = std::max(std::abs(st.x), std::abs(st.y));
+      way = std::min(size <= kMostAboutCorner * last ? 1 : 0.5, 2 * (from_corner + kAtCorner) / size);
+    }
+    st += way * step;
     last = size;
     if (!Box2{Vec2(-kBeyondChart), Vec2(1 + kBeyondChart)}.contains(st)) return false;
   }

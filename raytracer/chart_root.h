@@ -3,9 +3,9 @@
 // Which rays meet a chart is decided by its spline, whose distance is proven and which neighbours share along their borders; where they
 // meet it, by the chart. A root keeps its sense on the way: what enters the spline enters the chart. Where the surface folds, a ray may
 // meet the two in different numbers of roots, and Newton may take a root of the one to the wrong root of the other. So its steps must
-// shrink at once and the ray must see the same side all the way; otherwise the root is followed through the surfaces between the two, (1 -
-// x) spline + x chart, none of which is farther from the chart than the spline is. It arrives, or the ray touches one of them. And where
-// the ray misses the spline beside a fold by less than that distance, the chart's own fold is looked for there.
+// shrink at once (but see kAboutCorner) and the ray must see the same side all the way; otherwise the root is followed through the surfaces
+// between the two, (1 - x) spline + x chart, none of which is farther from the chart than the spline is. It arrives, or the ray touches one
+// of them. And where the ray misses the spline beside a fold by less than that distance, the chart's own fold is looked for there.
 #pragma once
 
 #include <algorithm>

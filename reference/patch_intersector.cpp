@@ -162,6 +162,8 @@ PatchIntersector::Bounds PatchIntersector::bound_at_corner(const NSidedPatch& pa
   const double half = 0.5 * width;
   const Corner far(1.0, 1, half, half);
   std::vector<Corner> W(patch.points.size());
+  Bounds box{.lo = Vec2(0.0), .width = width, .S = {}, .Ss = {}, .St = {}};
+  box.S.radius = box.Ss.radius = box.St.radius = box.rs = box.rt = Vec3(kInf);
   Box3 all;
   for (int part = 0; part < 2 * kWedges; ++part) {
     const bool swapped = part % 2 == 1;
@@ -170,12 +172,11 @@ PatchIntersector::Bounds PatchIntersector::bound_at_corner(const NSidedPatch& pa
     Model S[3];
     for (std::size_t m = 0; m < W.size(); ++m)
       for (int c = 0; c < 3; ++c) S[c] = S[c] + W[m].value() * patch.points[m][c];
+    for (const Model& coordinate : S)
+      if (!finite(coordinate.magnitude())) return box;
     for (const double side : {-1.0, 1.0})
       all.include(Vec3(S[0].c[0], S[1].c[0], S[2].c[0]) + side * Vec3(S[0].spread(), S[1].spread(), S[2].spread()));
   }
-  Bounds box{.lo = Vec2(0.0), .width = width, .S = {}, .Ss = {}, .St = {}};
-  box.S.radius = box.Ss.radius = box.St.radius = box.rs = box.rt = Vec3(kInf);
-  if (!finite(all.lo) || !finite(all.hi)) return box;
   box.S.c[0] = all.middle();
   box.S.radius = 0.5 * all.size() + kRounding * size_;
   return box;

@@ -24,8 +24,8 @@ constexpr double kGeneralised[] = {0, 0.0307, 0.1734, 0.397, 0.6911, 1};
 constexpr double kOfOtherSides[] = {0, 0.0256, 0.06, 0.135, 0.26, 0.43, 0.63, 0.82, 1};
 constexpr double kCharrotGregory[] = {0, 0.03, 0.1, 0.22, 0.37, 0.53, 0.69, 0.85, 1};
 constexpr double kCharrotTriangle[] = {0, 0.01, 0.035, 0.1, 0.22, 0.37, 0.53, 0.69, 0.85, 1};
-// By mean value coordinates already the tangents change by the direction: a cell that is much longer than the one before it lets the spline
-// fold, the more so the more sides there are.
+// By mean value coordinates already the tangents change by the direction; here the distance is below 3e-5. A cell that is much longer than
+// the one before it lets the spline fold, the more so the more sides there are.
 constexpr double kMeanValue[] = {0, 2e-5, 1.2e-4, 6e-4, 2.4e-3, 7e-3, 0.018, 0.04, 0.08, 0.15, 0.27, 0.44, 0.68, 1};
 constexpr double kMeanValueCharrot[] = {0, 2e-5, 1.2e-4, 6e-4, 2.4e-3, 7e-3, 0.018, 0.04, 0.08, 0.15, 0.27, 0.42, 0.59, 0.79, 1};
 constexpr double kMeanValueOfMany[] = {0,    1e-4, 2.5e-4, 6e-4, 1.4e-3, 3e-3, 6.5e-3, 0.0135, 0.027,

@@ -11,6 +11,11 @@
 
 namespace iso {
 
+// So near the corner, mean value coordinates are those of the corner itself: products of distances would be less than numbers go down to.
+inline bool is_corner_by_mean_value(const PatchBasis& basis, const Vec2& st) {
+  return basis.parameters == SideParameters::mean_value && std::max(std::abs(st.x), std::abs(st.y)) < 1e-50;
+}
+
 // The weights at (s, t) in the chart of corner 0. With mean value coordinates not at the corner itself.
 template <class T>
 void patch_weights(const PatchBasis& basis, const T& s, const T& t, T* W) {

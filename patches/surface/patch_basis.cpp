@@ -148,13 +148,14 @@ std::vector<std::pair<int, int>> pairs_of(const PatchBasis& basis) {
 }
 
 void weights_at(const PatchBasis& basis, const Vec2& st, std::span<double> W) {
-  if (st == Vec2(0.0) && basis.parameters == SideParameters::mean_value) return corner_weights(basis, W);
+  if (is_corner_by_mean_value(basis, st)) return corner_weights(basis, W);
   patch_weights<double>(basis, st.x, st.y, W.data());
 }
 
 void weights_at(const PatchBasis& basis, const Vec2& st, std::span<Dual2> W) {
-  if (st != Vec2(0.0)) return patch_weights<Dual2>(basis, Dual2::variable_u(st.x), Dual2::variable_v(st.y), W.data());
-  if (basis.parameters == SideParameters::mean_value) {
+  const bool by_mean_value = is_corner_by_mean_value(basis, st);
+  if (st != Vec2(0.0) && !by_mean_value) return patch_weights<Dual2>(basis, Dual2::variable_u(st.x), Dual2::variable_v(st.y), W.data());
+  if (by_mean_value) {
     std::fill(W.begin(), W.end(), Dual2(0.0));
     const std::vector<int> next = points_of_side(basis, 1), back = points_of_side(basis, 0);
     const double leg = 0.5 * basis.degree;  // of Bernstein polynomials of s / 2, and of t / 2

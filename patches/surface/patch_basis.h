@@ -63,7 +63,7 @@ std::vector<int> points_of_side(const PatchBasis& basis, int side);
 std::vector<std::pair<int, int>> pairs_of(const PatchBasis& basis);
 
 // The weights at (s, t) in the chart of corner 0; W.size() == point_count. A little beyond the chart they continue, so that Newton may step
-// over a border.
+// over a border; with mean value coordinates not behind the corner.
 void weights_at(const PatchBasis& basis, const Vec2& st, std::span<double> W);
 // With derivatives in s and t. At the corner itself the second derivatives of blended kinds depend on the direction: those along s = t.
 // With mean value coordinates the first ones do, too: those along the borders. The second are unbounded there: 0 stands for them [Hormann,

@@ -157,7 +157,9 @@ SplineGrid grid_of_patch(const PatchChart& chart, const std::vector<int>& turn, 
   SplineGrid grid;
   const std::shared_ptr<const WeightSplines> first = weight_splines(chart.basis, grid);
   const auto keeps_sides = [&](const std::vector<Vec3>& points) { return !turns_away(points, *first, size); };
-  if (!std::all_of(corners.begin(), corners.end(), keeps_sides)) grid.at_corner = AtCorner::fine;
+  // By mean value coordinates all cells at corners are finer than that.
+  const bool finer = chart.basis.parameters == SideParameters::mean_value;
+  if (!finer && !std::all_of(corners.begin(), corners.end(), keeps_sides)) grid.at_corner = AtCorner::fine;
   const auto is_near = [&] {
     const std::shared_ptr<const WeightSplines> splines = weight_splines(chart.basis, grid);
     return std::all_of(corners.begin(), corners.end(),
@@ -250,7 +252,7 @@ Jet2 jet_of(const PatchChart& chart, const Vec2& st) {
 }
 
 Tangents tangents_of(const PatchChart& chart, const Vec2& st) {
-  if (chart.error == 0 || (st == Vec2(0.0) && chart.basis.parameters == SideParameters::mean_value)) {
+  if (chart.error == 0 || is_corner_by_mean_value(chart.basis, st)) {
     const Jet2 jet = jet_of(chart, st);
     return {jet.S, jet.Su, jet.Sv};
   }

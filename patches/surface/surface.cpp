@@ -405,10 +405,14 @@ bool regular(const Jet2& j, const Vec3& cross, const Vec2& size) {
 
 Vec3 unit_normal(const AnySurface& surface, UV uv, const Box2& domain) {
   const Vec2 size = domain.size();
-  Jet2 j = jet2(surface, uv);
-  // By mean value coordinates these grow without limit toward a corner, and do not tell where the tangents vanish.
   const auto* chart = std::get_if<PatchChart>(&surface);
-  if (chart && chart->basis.parameters == SideParameters::mean_value) j.Suu = j.Suv = j.Svv = Vec3(0.0);
+  const auto jet_at = [&](const UV& at) {
+    Jet2 jet = jet2(surface, at);
+    // By mean value coordinates these grow without limit toward a corner, and do not tell where the tangents vanish.
+    if (chart && chart->basis.parameters == SideParameters::mean_value) jet.Suu = jet.Suv = jet.Svv = Vec3(0.0);
+    return jet;
+  };
+  const Jet2 j = jet_at(uv);
   const Vec3 cross = glm::cross(j.Su, j.Sv);
   if (regular(j, cross, size)) return glm::normalize(cross);
   // The limit from inside: step from uv toward the middle of the domain. To first order the normal there is
@@ -420,7 +424,7 @@ Vec3 unit_normal(const AnySurface& surface, UV uv, const Box2& domain) {
       (size.x * glm::length(j.Su) + size.x * size.y * glm::length(j.Suv)) * size.y * (glm::length(j.Sv) + size.x * glm::length(j.Suv));
   if (glm::length(first) * std::min(size.x, size.y) > 1e-7 * scale && glm::length(first) > 0) return glm::normalize(first);
   for (const double step : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
-    const Jet2 k = jet2(surface, uv + step * inward);
+    const Jet2 k = jet_at(uv + step * inward);
     const Vec3 c = glm::cross(k.Su, k.Sv);
     if (regular(k, c, size)) return glm::normalize(c);
   }

@@ -88,7 +88,8 @@ double expect_sound(const Part& part, const PatchMesh& mesh, bool closed, bool m
 
 TEST(PatchMesh, ModelsAreWatertightByEveryStrategy) {
   int checked = 0;
-  for (const MeshPatches kind : {MeshPatches::gregory, MeshPatches::generalised_bezier, MeshPatches::charrot_gregory})
+  for (const MeshPatches kind :
+       {MeshPatches::gregory, MeshPatches::generalised_bezier, MeshPatches::charrot_gregory, MeshPatches::gregory_mean_value})
     for (const char* file : {kCuboctahedron, kSpot}) {
       if (file == kSpot && kind != MeshPatches::gregory) continue;
       const Part part = part_of(file, kind);
@@ -107,11 +108,12 @@ TEST(PatchMesh, ModelsAreWatertightByEveryStrategy) {
           EXPECT_EQ(mesh.made.mesh.triangles.size(), triangles);
           EXPECT_LT(largest_offset(mesh), 1e-13 * part.box.diagonal());
           const double measured = expect_sound(part, mesh, true, file == kSpot);
-          EXPECT_LE(largest_bound(mesh), 6 * measured);
+          // By mean value the second derivatives of the splines are large at corners, and so are bounds by them.
+          EXPECT_LE(largest_bound(mesh), (kind == MeshPatches::gregory_mean_value ? 100 : 6) * measured);
           ++checked;
         }
     }
-  EXPECT_EQ(checked, 4 * (3 + 1 + 1) + 1);
+  EXPECT_EQ(checked, 4 * (3 + 1 + 1 + 1) + 1);
 }
 
 TEST(PatchMesh, SharedSidesAreTheSamePoints) {

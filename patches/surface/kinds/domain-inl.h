@@ -11,7 +11,7 @@ namespace iso {
 
 // a + b, where both vanish together at a corner only. Inside the patch neither is negative; beyond its borders, where one of them is, the
 // sum stops at half of their difference: so the formulas continue through a border smoothly, and no line on which a + b vanishes leaves
-// the corner.
+// the corner. Behind it, mean value coordinates do not go on.
 inline double corner_sum(double a, double b) { return std::max(a + b, 0.5 * (std::abs(a) + std::abs(b))); }
 inline Dual2 corner_sum(const Dual2& a, const Dual2& b) {
   if (a.f + b.f >= 0.5 * (std::abs(a.f) + std::abs(b.f))) return a + b;
