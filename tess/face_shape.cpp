@@ -158,21 +158,26 @@ FaceShape::Verdict FaceShape::keeps(const SurfaceCorner& a, const SurfaceCorner&
   return divided.within ? divided : within_box({a, b, c}, most, divided);
 }
 
-// Where derivatives say nothing (spans of next to no width, poles) a small triangle may still lie in one small box with its piece of the
-// surface: then the box is the bound.
-FaceShape::Verdict FaceShape::within_box(const std::array<SurfaceCorner, 3>& corners, double most, const Verdict& otherwise) const {
+double FaceShape::box_bound(const std::array<SurfaceCorner, 3>& corners, double most) const {
   Box3 box;
   Box2 uv;
   for (const SurfaceCorner& c : corners) {
     box.include(c.S);
     uv.include(c.uv);
   }
-  if (box.diagonal() > most) return otherwise;
+  if (box.diagonal() > most) return kInf;
   uv = {glm::max(uv.lo, face_->domain.lo), glm::min(uv.hi, face_->domain.hi)};
   for (int k = 0; k < 2; ++k)
-    if (!(uv.hi[k] > uv.lo[k])) return otherwise;
+    if (!(uv.hi[k] > uv.lo[k])) return kInf;
   box.include(bounds(face_->surface, uv));
-  return box.diagonal() <= most ? Verdict{true, box.diagonal()} : otherwise;
+  return box.diagonal();
+}
+
+// Where derivatives say nothing (spans of next to no width, poles) a small triangle may still lie in one small box with its piece of the
+// surface: then the box is the bound.
+FaceShape::Verdict FaceShape::within_box(const std::array<SurfaceCorner, 3>& corners, double most, const Verdict& otherwise) const {
+  const double bound = box_bound(corners, most);
+  return bound <= most ? Verdict{true, bound} : otherwise;
 }
 
 namespace {

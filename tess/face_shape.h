@@ -41,6 +41,9 @@ class FaceShape {
   // World units: no point of the triangle is farther from the surface, and no point of the surface over a, b, c farther from the triangle
   // and its neighbours. Infinite where nothing is proven. Closed forms for planes, cylinders, cones and spheres.
   double triangle_bound(const SurfaceCorner& a, const SurfaceCorner& b, const SurfaceCorner& c) const;
+  // The diagonal of a box of the corners and the surface over their box of (u, v); infinite where there is none or the corners alone are
+  // farther apart than `most`.
+  double box_bound(const std::array<SurfaceCorner, 3>& corners, double most) const;
 
   // Whether the bound is at most `most`, found with as little work as that takes. Where `triangle_bound` is too coarse (rough surfaces,
   // large triangles) the triangle is divided: its points are projected on the surface, which takes the shift along the surface out, and

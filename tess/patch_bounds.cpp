@@ -40,7 +40,9 @@ class TriangleProof {
     double off = 0;
     for (const PieceCorner& c : piece) off = std::max(off, distance(c));
     const double whole = off + shape_.triangle_bound(piece[0].at, piece[1].at, piece[2].at);
-    if (whole <= aim || off > aim || divisions == 0) return whole;
+    if (whole <= aim || off > aim) return whole;
+    // Beside corners by mean value derivatives say next to nothing: there a small piece may do.
+    if (divisions == 0) return std::min(whole, off + shape_.box_bound({piece[0].at, piece[1].at, piece[2].at}, whole));
     const PieceCorner ab = between(piece[0], piece[1]), bc = between(piece[1], piece[2]), ca = between(piece[2], piece[0]);
     double parts = 0;
     for (const auto& part :

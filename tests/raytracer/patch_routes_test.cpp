@@ -1,19 +1,19 @@
 // Two routes to the meetings of rays with patches of every kind: the tracer's, by splines beside the charts and Newton to the charts, and
 // the reference's, by subdivision of the formulas (reference/patch_intersector.h). They agree in place, side and normal; what only one
 // of them finds must be shown to touch, or to pass the patch's border, within the proven distance of chart and spline. $ISOPHOTE_RAYS sets
-// the number of rays per kind of the slow suite; a million take 10 s of one core for the first three kinds, 90 to 190 s for the others.
+// the number of rays per kind of the slow suite; a million take 10 s of one core for the first three kinds, some minutes for the next two
+// and, by mean value, 40 min for the last.
 //
 // With a million rays per kind, as measured on AVX-512: all that meet with a cosine of at least 1e-5 are met by both routes at the same
-// place, to `farthest` of the size; flatter ones to 1e-14 over the cosine. What only one route meets touches, with cosines up to 5.2e-7 for
-// Bezier triangles, 2.5e-4 for the Gregory patches and 2e-3 for generalised Gregory; nothing passes a border. The last three rows are from
-// before dips beside folds were looked for.
+// place, to `farthest` of the size; flatter ones to 1e-14 over the cosine. What only one route meets touches, with cosines up to 3.9e-4;
+// nothing passes a border. The last row is from before dips beside folds were looked for, and without parameters by mean value.
 //
 //                         meetings    farthest    flatter    touching on one side only
 //    Bezier triangle        965,478     2.9e-10         10      36
-//    Gregory triangle       924,807     8.2e-10         17      52
+//    Gregory triangle       924,807     8.3e-10         17      52
 //    Gregory quad           931,474     5.0e-10         10      26
-//    generalised Bezier   1,012,716     5.0e-10          2     136
-//    generalised Gregory    933,648     3.7e-10          7     117
+//    generalised Bezier   1,008,096     4.8e-10          7      38
+//    generalised Gregory    926,845     6.5e-10          8      22
 //    Charrot-Gregory        943,509     3.6e-10         10     143
 #include "patches/surface/bezier_triangle.h"
 #include "raytracer/tracer.h"
