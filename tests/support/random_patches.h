@@ -51,8 +51,9 @@ inline NSidedPatch random_net(const PatchBasis& basis, Random& random, bool rati
 }
 
 // Patches of a kind, with 3 to 8 sides where it has a choice, and all side parameters: at least eight. `few`: higher degrees, and side
-// parameters by distance, for every other number of sides only, those by mean value for five sides.
-inline std::vector<NSidedPatch> random_patches(PatchKind kind, Random& random, bool few) {
+// parameters by distance, for every other number of sides only. Those by mean value, which take seconds each to be proven, for the given
+// numbers of sides.
+inline std::vector<NSidedPatch> random_patches(PatchKind kind, Random& random, bool few, const std::vector<int>& by_mean_value = {5}) {
   constexpr std::size_t kLeast = 8;
   std::vector<NSidedPatch> patches;
   while (patches.size() < kLeast)
@@ -62,7 +63,7 @@ inline std::vector<NSidedPatch> random_patches(PatchKind kind, Random& random, b
           const PatchBasis basis{kind, n, degree, parameters};
           if (!problem_of(basis).empty()) continue;
           const bool triangle = kind == PatchKind::bezier_triangle;
-          if (few && parameters == SideParameters::mean_value && n != 5) continue;
+          if (parameters == SideParameters::mean_value && std::count(by_mean_value.begin(), by_mean_value.end(), n) == 0) continue;
           if (few && !triangle && (parameters == SideParameters::wachspress ? degree > 3 && degree != 4 + n % 2 : n % 2 == 0)) continue;
           if (!triangle && degree == 3) patches.push_back(random_patch_over(basis, random));
           if (triangle || degree > 3) patches.push_back(random_net(basis, random, false));
