@@ -188,30 +188,20 @@ void report_edges(const std::vector<const ControlPolygon*>& used, std::vector<Pr
   if (turned > 0) problems.push_back({Problem::Kind::note, "edges", "between polygons of opposite orientation", turned});
 }
 
+// In the order of MeshPatches.
+constexpr std::pair<PatchKind, SideParameters> kOfMesh[] = {
+    {PatchKind::generalised_gregory, SideParameters::wachspress}, {PatchKind::generalised_bezier, SideParameters::wachspress},
+    {PatchKind::charrot_gregory, SideParameters::wachspress},     {PatchKind::generalised_gregory, SideParameters::mean_value},
+    {PatchKind::generalised_bezier, SideParameters::mean_value},  {PatchKind::charrot_gregory, SideParameters::mean_value},
+    {PatchKind::charrot_gregory, SideParameters::distance},
+};
+static_assert(std::size(kOfMesh) == kMeshPatchNames.size());
+
 PatchBasis basis_for(MeshPatches kind, int sides) {
-  PatchBasis basis{.kind = PatchKind::charrot_gregory, .sides = sides, .degree = 3};
-  switch (kind) {
-    case MeshPatches::gregory:
-      return gregory_basis(sides);
-    case MeshPatches::gregory_mean_value:
-      basis = gregory_basis(sides);
-      if (basis.kind == PatchKind::generalised_gregory) basis.parameters = SideParameters::mean_value;
-      break;
-    case MeshPatches::generalised_bezier_mean_value:
-      basis.parameters = SideParameters::mean_value;
-      [[fallthrough]];
-    case MeshPatches::generalised_bezier:
-      basis.kind = PatchKind::generalised_bezier;
-      break;
-    case MeshPatches::charrot_gregory_mean_value:
-      basis.parameters = SideParameters::mean_value;
-      break;
-    case MeshPatches::charrot_gregory_distance:
-      basis.parameters = SideParameters::distance;
-      break;
-    case MeshPatches::charrot_gregory:
-      break;
-  }
+  const auto& [patch, parameters] = kOfMesh[static_cast<std::size_t>(kind)];
+  // Triangles and quads are Gregory patches of their own, without a choice.
+  PatchBasis basis = patch == PatchKind::generalised_gregory ? gregory_basis(sides) : PatchBasis{patch, sides, 3};
+  if (basis.kind == patch) basis.parameters = parameters;
   return basis;
 }
 

@@ -111,20 +111,9 @@ Vec3 PatchIntersector::Models::varies() const {
   return sum;
 }
 
-// The same polynomials about the middle of a quarter, a = m + a' / 2, first in a, then in b.
 PatchIntersector::Models PatchIntersector::Models::quarter(const Vec2& corner) const {
-  constexpr int n = Model::kOrder;
-  const Vec2 m = corner - 0.5;
   Models q = *this;
-  const auto at = [&](int i, int j) -> Vec3& { return q.c[static_cast<std::size_t>(Model::index(i, j))]; };
-  for (int j = 0; j < n; ++j)
-    for (int k = 0; k < n - j; ++k)
-      for (int i = n - j - 1; i >= k; --i) at(i, j) += m.x * at(i + 1, j);
-  for (int i = 0; i < n; ++i)
-    for (int k = 0; k < n - i; ++k)
-      for (int j = n - i - 1; j >= k; --j) at(i, j) += m.y * at(i, j + 1);
-  for (int i = 0; i <= n; ++i)
-    for (int j = 0; i + j <= n; ++j) at(i, j) *= std::ldexp(1.0, -i - j);
+  Model::to_quarter(q.c, corner - 0.5);
   return q;
 }
 

@@ -40,17 +40,22 @@ struct PowerSeries {
   }
   double magnitude() const { return std::abs(c[0]) + spread(); }
 
-  // Of a model over a quarter of its square, about (a, b) = (+-1/2, +-1/2).
-  PowerSeries quarter(double a, double b) const {
-    PowerSeries q = *this;
+  // Coefficients of the same polynomial over a quarter of its square, about (m.x, m.y) = (+-1/2, +-1/2).
+  template <class V>
+  static void to_quarter(std::array<V, kCount>& of, const Vec2& m) {
+    const auto at = [&](int i, int j) -> V& { return of[static_cast<std::size_t>(index(i, j))]; };
     for (int j = 0; j < kOrder; ++j)
       for (int k = 0; k < kOrder - j; ++k)
-        for (int i = kOrder - j - 1; i >= k; --i) q.c[index(i, j)] += a * q.c[index(i + 1, j)];
+        for (int i = kOrder - j - 1; i >= k; --i) at(i, j) += m.x * at(i + 1, j);
     for (int i = 0; i < kOrder; ++i)
       for (int k = 0; k < kOrder - i; ++k)
-        for (int j = kOrder - i - 1; j >= k; --j) q.c[index(i, j)] += b * q.c[index(i, j + 1)];
-    for (int n = 1; n <= kOrder; ++n)
-      for (int j = 0; j <= n; ++j) q.c[index(n - j, j)] *= std::ldexp(1.0, -n);
+        for (int j = kOrder - i - 1; j >= k; --j) at(i, j) += m.y * at(i, j + 1);
+    for (int i = 0; i <= kOrder; ++i)
+      for (int j = 0; i + j <= kOrder; ++j) at(i, j) *= std::ldexp(1.0, -i - j);
+  }
+  PowerSeries quarter(double a, double b) const {
+    PowerSeries q = *this;
+    to_quarter(q.c, {a, b});
     return q;
   }
 
